@@ -1,0 +1,4 @@
+//! WIP
+pub mod error;
+pub mod scalar;
+pub use error::{Error, Result};
