@@ -51,6 +51,91 @@ pub enum Error {
         /// What to do.
         remedy: &'static str,
     },
+    /// A sampling of the strain energy leaves deformations that cost no energy.
+    #[error(
+        "the integration rule leaves {modes} zero-energy modes beyond the rigid ones (rank {rank} of {target}): {sufficient}"
+    )]
+    ZeroEnergyModes {
+        /// Number of spurious modes.
+        modes: usize,
+        /// Rank of the element stiffness.
+        rank: usize,
+        /// Rank without spurious modes.
+        target: usize,
+        /// Which orders suffice.
+        sufficient: String,
+    },
+    /// A scene without a beam.
+    #[error("the scene has no beam: add at least one before assembling")]
+    EmptyScene,
+    /// A node that does not exist.
+    #[error(
+        "beam {body} has {nodes} nodes, there is no node {node}: use Placed::start, end, or an index below the number of nodes"
+    )]
+    NoSuchNode {
+        /// Index of the beam.
+        body: usize,
+        /// Index of the node.
+        node: usize,
+        /// Number of nodes of that beam.
+        nodes: usize,
+    },
+    /// A load's course in time gave a value that is not finite.
+    #[error(
+        "the amplitude of a load is {value} at t = {time} s, but must be finite: check the function given; the state before this time is kept"
+    )]
+    LoadNotFinite {
+        /// Time (s).
+        time: f64,
+        /// The value.
+        value: f64,
+    },
+    /// Newton's method found no equilibrium.
+    #[error(
+        "Newton's method failed ({reason}) after {iterations} iterations at a relative residual of {residual:e}: take smaller steps, renew the tangent more often or allow more iterations"
+    )]
+    Unconverged {
+        /// What happened.
+        reason: &'static str,
+        /// Corrections made.
+        iterations: usize,
+        /// Last residual over the force scale.
+        residual: f64,
+    },
+    /// No static equilibrium under the full load.
+    #[error(
+        "statics stopped at {reached} of the load, where even a step of {step:e} fails ({cause}): the state of the last equilibrium is kept; check the supports, look for a limit point, or allow more steps"
+    )]
+    StaticsFailed {
+        /// Share of the load reached.
+        reached: f64,
+        /// Smallest step tried.
+        step: f64,
+        /// Why the last step failed.
+        cause: Box<Error>,
+    },
+    /// A time step failed.
+    #[error(
+        "the step of {step:e} s from t = {time} s failed ({cause}): the state at its start is kept; go on with smaller or adaptive steps"
+    )]
+    StepFailed {
+        /// Time of the last good state (s).
+        time: f64,
+        /// Step tried (s).
+        step: f64,
+        /// Why it failed.
+        cause: Box<Error>,
+    },
+    /// Error control asks for a step below the limit.
+    #[error(
+        "error control asks for a step of {step:e} s, below the limit of {shortest:e} s: loosen the tolerance or lower the limit"
+    )]
+    StepTooShort {
+        /// Step asked for (s).
+        step: f64,
+        /// Shortest step allowed (s).
+        shortest: f64,
+    },
     /// Something the library cannot do for this input.
     #[error("{what}: {remedy}")]
     Unsupported {
@@ -59,6 +144,66 @@ pub enum Error {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// A linear system has no unique solution.
+    #[error(
+        "the matrix is singular at unknown {unknown} (pivot {pivot:e}): check that the supports \
+         prevent every rigid motion and that no two constraints say the same"
+    )]
+    Singular {
+        /// Index of the first unknown that the equations do not determine.
+        unknown: usize,
+        /// The vanishing pivot.
+        pivot: f64,
+    },
+    /// An entry of a matrix lies outside the envelope it was allocated for.
+    #[error(
+        "entry ({row}, {column}) lies outside the profile of the matrix: build the Profile with \
+         a range that couples the two"
+    )]
+    OutsideProfile {
+        /// Row of the entry, from zero.
+        row: usize,
+        /// Column of the entry, from zero.
+        column: usize,
+    },
+    /// A range of unknowns is empty or goes beyond the last one.
+    #[error(
+        "the range of unknowns {start}..{end} is empty or exceeds the {size} unknowns: give \
+         start < end <= {size}"
+    )]
+    BadRange {
+        /// First unknown.
+        start: usize,
+        /// One past the last unknown.
+        end: usize,
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// An array or matrix has the wrong size.
+    #[error("{what} is {given}, but must be {needed}: it must match the model it is used with")]
+    Length {
+        /// Which size.
+        what: &'static str,
+        /// The size given.
+        given: usize,
+        /// The size needed.
+        needed: usize,
+    },
+}
+
+impl Error {
+    /// `Ok` if a size is the one needed, a typed error that names both otherwise.
+    #[inline]
+    pub(crate) fn check_length(what: &'static str, given: usize, needed: usize) -> Result<()> {
+        if given == needed {
+            return Ok(());
+        }
+        Err(Self::Length {
+            what,
+            given,
+            needed,
+        })
+    }
 }
 
 /// `value` if it is finite and above zero, a typed error that names it otherwise.

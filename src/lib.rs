@@ -1,4 +1,84 @@
-//! WIP
+//! Flexible beams in the absolute nodal coordinate formulation (ANCF), generic over the number
+//! type and parameterised by dimension.
+//!
+//! A [`Scene`](scene::Scene) is made of [`Beam`](scene::Beam)s; a beam is a chain of
+//! [`Element`](element::Element)s; an element samples a [`Section`](section::Section); a
+//! [`Formulation`](formulation::Formulation) says which part of the strain energy of a
+//! [`Material`](material::Material) is sampled where; and everything is written over a
+//! [`Scalar`](scalar::Scalar), so that derivatives, SIMD lanes and precision are choices of type
+//! and not new code.
+//!
+//! A new element is its shape functions, a new section is its cubature, a new material is its
+//! strain energy, a locking remedy is a choice of what is sampled where. Mass matrix, elastic
+//! force and tangent follow.
+//!
+//! The foundation is the method of G. Orzechowski, *Analysis of beam elements of circular cross
+//! section using the absolute nodal coordinate formulation*, Archive of Mechanical Engineering,
+//! 2012; equation numbers in this documentation are that paper's.
+//!
+//! # A beam bent into a circle
+//!
+//! ```
+//! use ancf::prelude::*;
+//! use std::f64::consts::PI;
+//!
+//! let (young, radius) = (2.0e11, 0.02);
+//! let steel = SaintVenantKirchhoff::isotropic(young, 0.0)?;
+//! let mut scene = Scene::<f64, 3>::new();
+//! let beam = scene.add(
+//!     Beam::new(FullyParameterised, Disk::new(radius)?, Continuum::full(steel))
+//!         .straight([0.0, 0.0, 0.0], [1.0, 0.0, 0.0], 20),
+//! )?;
+//! scene.clamp(beam.start())?;
+//! scene.moment(beam.end(), Moment::about_z(2.0 * PI * young * PI * radius.powi(4) / 4.0))?;
+//!
+//! let system = scene.assemble()?;
+//! let mut state = system.rest();
+//! Statics::in_steps(20).solve(&system, &mut state)?;
+//! let [x, y, _] = system.position(&state, beam.end())?;
+//! assert!((x.hypot(y) - 6.2402e-3).abs() < 1e-7);
+//! # Ok::<(), ancf::Error>(())
+//! ```
+//!
+//! # Map
+//!
+//! | module | what lives there |
+//! |---|---|
+//! | [`scalar`] | what kernels and solvers need of a number |
+//! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
+//! | [`section`] | cross-sections: rectangle, disk, annulus |
+//! | [`material`] | strain energies: St Venant-Kirchhoff |
+//! | [`element`] | shape functions: the fully parameterised beam |
+//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own |
+//! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
+//! | [`solver`] | band factorisation, Newton's method, statics |
+//! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
+//! | [`analytical`] | exact solutions to test against |
+
+pub mod analytical;
+pub mod element;
 pub mod error;
+pub mod formulation;
+pub mod integrator;
+pub mod material;
+pub mod quadrature;
 pub mod scalar;
+pub mod scene;
+pub mod section;
+pub mod solver;
+mod tensor;
+
 pub use error::{Error, Result};
+
+/// What most programs need: `use ancf::prelude::*`.
+pub mod prelude {
+    pub use crate::element::{Element, FullyParameterised, NodalVector};
+    pub use crate::error::{Error, Result};
+    pub use crate::formulation::{Continuum, Formulation, Layer};
+    pub use crate::integrator::{Adaptive, Estimator, Integration, Newmark, Step, Stepping};
+    pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
+    pub use crate::scalar::{Algebra, Real, Scalar};
+    pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
+    pub use crate::section::{Annulus, Disk, Rectangle, Section};
+    pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
+}

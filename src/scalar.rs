@@ -217,12 +217,7 @@ impl<T: Scalar + DualNumCopy> Algebra<T> for HyperDual<T> {
     }
     #[inline]
     fn times(self, r: T) -> Self {
-        Self::new(
-            self.re * r,
-            self.eps1 * r,
-            self.eps2 * r,
-            self.eps1eps2 * r,
-        )
+        Self::new(self.re * r, self.eps1 * r, self.eps2 * r, self.eps1eps2 * r)
     }
 }
 

@@ -1,0 +1,189 @@
+//! Continuum beams: a material sampled over the volume of the element by an axial Gauss rule
+//! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
+//! of [`Layer`]s: which part of the material is sampled with which rule.
+
+use super::rank::check_rank;
+use super::station::ContinuumKernel;
+use super::{Formulation, Reference, section_points};
+use crate::element::Element;
+use crate::error::{Error, Result};
+use crate::material::{Material, PoissonSplit};
+use crate::quadrature::gauss_legendre;
+use crate::scalar::Real;
+use crate::section::Section;
+
+/// One part of the material and where it is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer<M> {
+    /// The part of the material.
+    pub material: M,
+    /// Number of Gauss points along the axis.
+    pub axial: usize,
+    /// Polynomial degree to which the section rule is exact: `2 s - 1` for the paper's rule of
+    /// order `s`, 1 for a single point at the centroid.
+    pub section_degree: usize,
+}
+
+/// A continuum beam: the sum of its [`Layer`]s.
+///
+/// ```
+/// use ancf::formulation::Continuum;
+/// use ancf::material::SaintVenantKirchhoff;
+///
+/// let rubber = SaintVenantKirchhoff::<f64, 3>::isotropic(2e7, 0.3)?;
+/// let exact = Continuum::full(rubber); // 5 axial points, section rule of degree 5
+/// let paper = Continuum::reduced(rubber); // 4 axial points, section rule of order 2
+/// let remedy = Continuum::selective_reduced(rubber); // no Poisson locking
+/// assert_eq!(remedy.layers().len(), 2);
+/// # let _ = (exact, paper);
+/// # Ok::<(), ancf::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Continuum<M> {
+    layers: Vec<Layer<M>>,
+}
+
+/// Axial points that integrate the quartic energy of a cubic axis exactly.
+const AXIAL: usize = 5;
+/// Section degree that integrates the quartic energy of a section-linear element exactly.
+const SECTION: usize = 5;
+
+impl<M> Continuum<M> {
+    /// Exact integration for the paper's element and St Venant-Kirchhoff: 5 axial points, section
+    /// rule of degree 5 (7 points on a disk, 9 on a rectangle). Locks when the Poisson ratio is
+    /// not zero.
+    pub fn full(material: M) -> Self {
+        Self::sampled(material, AXIAL, SECTION)
+    }
+
+    /// The paper's faster rule: 4 axial points, section rule of order 2 (4 points). Not isotropic
+    /// on a disk, see the notes of the paper's reproduction.
+    pub fn reduced(material: M) -> Self {
+        Self::sampled(material, 4, 3)
+    }
+
+    /// Any pair of orders: `axial` Gauss points along the beam, a section rule exact to
+    /// `section_degree`.
+    pub fn sampled(material: M, axial: usize, section_degree: usize) -> Self {
+        Self::layered([Layer {
+            material,
+            axial,
+            section_degree,
+        }])
+    }
+
+    /// Any sum of layers: the general remedy.
+    pub fn layered(layers: impl IntoIterator<Item = Layer<M>>) -> Self {
+        Self {
+            layers: layers.into_iter().collect(),
+        }
+    }
+
+    /// The parts that are summed.
+    pub fn layers(&self) -> &[Layer<M>] {
+        &self.layers
+    }
+}
+
+impl<M: PoissonSplit> Continuum<M> {
+    /// The zero-Poisson option: only the part of the material that does not couple normal strains
+    /// (Young's modulus for each, the true shear modulus), fully integrated.
+    pub fn zero_poisson(material: M) -> Self {
+        Self::full(material.uncoupled())
+    }
+
+    /// Selective reduced integration (enhanced continuum mechanics of Gerstmayr, Matikainen and
+    /// Mikkola 2008): the uncoupled part over the volume, the Poisson-coupled part on the axis
+    /// only. Cures Poisson locking.
+    pub fn selective_reduced(material: M) -> Self {
+        Self::layered([
+            Layer {
+                material: material.uncoupled(),
+                axial: AXIAL,
+                section_degree: SECTION,
+            },
+            Layer {
+                material: material.coupled(),
+                axial: AXIAL,
+                section_degree: 1,
+            },
+        ])
+    }
+}
+
+impl<M> Continuum<M> {
+    fn unchecked<R, E, const D: usize, const S: usize, const K: usize>(
+        &self,
+        element: &E,
+        reference: &Reference<R, D>,
+        section: &dyn Section<R>,
+    ) -> Result<ContinuumKernel<R, M, D, S, K>>
+    where
+        R: Real,
+        E: Element<D, S>,
+        M: Material<R, D>,
+    {
+        if self.layers.is_empty() {
+            return Err(Error::TooFew {
+                what: "number of layers of a continuum",
+                value: 0,
+                least: 1,
+                remedy: "give at least one layer, or use Continuum::full",
+            });
+        }
+        let mut kernel = ContinuumKernel::new(reference);
+        for layer in &self.layers {
+            kernel.add_part(
+                element,
+                reference.length,
+                layer.material.clone(),
+                &gauss_legendre(layer.axial)?,
+                section_points(section, layer.section_degree)?,
+            )?;
+        }
+        Ok(kernel)
+    }
+
+    /// The same layers with every order raised to at least the given ones.
+    fn at_least(&self, axial: usize, section_degree: usize) -> Self
+    where
+        M: Clone,
+    {
+        Self::layered(self.layers.iter().cloned().map(|mut layer| {
+            layer.axial = layer.axial.max(axial);
+            layer.section_degree = layer.section_degree.max(section_degree);
+            layer
+        }))
+    }
+}
+
+macro_rules! dimension {
+    ($d:literal, $k:literal) => {
+        impl<R, M, E, const S: usize> Formulation<R, E, $d, S> for Continuum<M>
+        where
+            R: Real,
+            M: Material<R, $d>,
+            E: Element<$d, S>,
+        {
+            type Kernel = ContinuumKernel<R, M, $d, S, $k>;
+
+            fn kernel(
+                &self,
+                element: &E,
+                reference: &Reference<R, $d>,
+                section: &dyn Section<R>,
+            ) -> Result<Self::Kernel> {
+                check_rank(element, section, |trial, reference| match trial {
+                    None => self.unchecked::<R, E, $d, S, $k>(element, reference, section),
+                    Some((axial, degree)) => {
+                        let raised = self.at_least(axial, degree);
+                        raised.unchecked::<R, E, $d, S, $k>(element, reference, section)
+                    }
+                })?;
+                self.unchecked(element, reference, section)
+            }
+        }
+    };
+}
+dimension!(2, 3);
+dimension!(3, 5);

@@ -1,0 +1,146 @@
+//! Zero-energy modes: a sampling that is too coarse leaves deformations that cost no energy. This
+//! room counts them on a stocky reference element (where rank is not blurred by slenderness) and
+//! finds the orders that would suffice.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::station::reference_vectors;
+use super::{ElementKernel, Reference};
+use crate::element::{Element, NodalVector};
+use crate::error::{Error, Result};
+use crate::scalar::Real;
+use crate::section::Section;
+
+/// Relative size below which an eigenvalue of the scaled stiffness counts as zero.
+const ZERO: f64 = 1e-9;
+/// The same in single precision.
+const ZERO_SINGLE: f64 = 1e-4;
+/// Orders tried when looking for sufficient ones.
+const TRIALS: usize = 8;
+
+/// Refuses a sampling that leaves zero-energy modes beyond the rigid ones. `make` builds the
+/// kernel on a given reference, with the orders as asked (`None`) or raised to at least the given
+/// number of axial points and section degree.
+pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
+    element: &E,
+    section: &dyn Section<R>,
+    make: impl Fn(Option<(usize, usize)>, &Reference<R, D>) -> Result<Kn>,
+) -> Result<()>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    let properties = section.properties()?;
+    let gyration = ((properties.iyy + properties.izz) / properties.area).sqrt();
+    let reference = Reference {
+        length: gyration * R::lit(4.0),
+        frame: std::array::from_fn(|a| {
+            std::array::from_fn(|c| if a == c { R::one() } else { R::zero() })
+        }),
+    };
+    let size = S * D;
+    let target = size - rigid_modes(element, &reference);
+    let rank_of =
+        |trial| -> Result<usize> { Ok(rank(&make(trial, &reference)?, element, &reference)) };
+    let rank = rank_of(None)?;
+    if rank >= target {
+        return Ok(());
+    }
+    let mut sufficient = None;
+    'search: for degree in (1..TRIALS).step_by(2) {
+        for axial in 1..=TRIALS {
+            if rank_of(Some((axial, degree)))? >= target {
+                sufficient = Some((axial, degree));
+                break 'search;
+            }
+        }
+    }
+    Err(Error::ZeroEnergyModes {
+        modes: target - rank,
+        rank,
+        target,
+        sufficient: match sufficient {
+            Some((axial, degree)) => {
+                format!(
+                    "use at least {axial} axial points with a section rule of degree {degree} or more"
+                )
+            }
+            None => {
+                "no higher order removes them: part of the material must have more stiffness".into()
+            }
+        },
+    })
+}
+
+/// Number of independent rigid motions the coordinates can tell apart.
+fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    element: &E,
+    reference: &Reference<R, D>,
+) -> usize {
+    let e = reference_vectors(element, reference, &[R::zero(); D]);
+    let per_node = E::VECTORS.len();
+    let mut modes = Vec::new();
+    for a in 0..D {
+        modes.push(DMatrix::from_fn(S * D, 1, |row, _| {
+            let position = E::VECTORS[(row / D) % per_node] == NodalVector::Position;
+            f64::from(u8::from(position && row % D == a))
+        }));
+        for b in 0..a {
+            modes.push(DMatrix::from_fn(S * D, 1, |row, _| {
+                let vector = row / D;
+                let unit = unit::<R, E, D, S>(row, reference);
+                match row % D {
+                    c if c == a => -e[vector][b].value() / unit,
+                    c if c == b => e[vector][a].value() / unit,
+                    _ => 0.0,
+                }
+            }));
+        }
+    }
+    let columns: Vec<_> = modes.iter().map(|m| m.column(0)).collect();
+    DMatrix::from_columns(&columns).rank(1e-8)
+}
+
+/// Natural size of a coordinate: the element length for positions (m), 1 for slopes.
+fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    row: usize,
+    reference: &Reference<R, D>,
+) -> f64 {
+    match E::VECTORS[(row / D) % E::VECTORS.len()] {
+        NodalVector::Position => reference.length.value(),
+        NodalVector::Slope(_) => 1.0,
+    }
+}
+
+/// Rank of the tangent at the reference configuration, coordinates scaled to a unit diagonal.
+fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
+    kernel: &Kn,
+    _element: &E,
+    reference: &Reference<R, D>,
+) -> usize {
+    let unit = |row: usize| unit::<R, E, D, S>(row, reference);
+    let mut q = [[R::zero(); D]; S];
+    let mut k = [[[[R::zero(); D]; S]; D]; S];
+    kernel.tangent(&[[R::zero(); D]; S], &mut q, &mut k);
+    let k = k.as_flattened().as_flattened().as_flattened();
+    let matrix = DMatrix::from_fn(S * D, S * D, |i, j| {
+        unit(i) * k[i * S * D + j].value() * unit(j)
+    });
+    let top = matrix.diagonal().amax();
+    let scale = matrix.diagonal().map(|d| {
+        if d.abs() > ZERO * top {
+            1.0 / d.abs().sqrt()
+        } else {
+            1.0 / top.sqrt()
+        }
+    });
+    let scaled = DMatrix::from_fn(S * D, S * D, |i, j| scale[i] * matrix[(i, j)] * scale[j]);
+    let zero = if R::EPSILON > 1e-10 {
+        ZERO_SINGLE
+    } else {
+        ZERO
+    };
+    let eigenvalues = SymmetricEigen::new(scaled).eigenvalues;
+    eigenvalues.iter().filter(|v| v.abs() > zero).count()
+}

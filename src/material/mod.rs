@@ -1,0 +1,90 @@
+//! Materials: strain energy densities of the Green-Lagrange strain. One file per law. A material
+//! knows neither element nor section; a formulation decides where it is sampled.
+
+mod saint_venant_kirchhoff;
+
+pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+
+use std::fmt::Debug;
+
+use crate::scalar::{Algebra, Real};
+use crate::tensor::{add_scaled, dot};
+
+/// A symmetric tensor or the columns of a gradient: `D x D` numbers.
+pub type Tensor<T, const D: usize> = [[T; D]; D];
+
+/// The blocks `A[a][b]` (each `D x D`) that couple changes of the columns `a` and `b` of the
+/// deformation gradient. Only `a <= b` is used; the others follow by symmetry.
+pub type Blocks<T, const D: usize> = [[Tensor<T, D>; D]; D];
+
+/// A hyperelastic law over the Green-Lagrange strain `E` in `D` dimensions, with parameters in
+/// `R`.
+///
+/// All tensors are `D x D` component arrays in the material frame (axis first). Energies are
+/// densities per reference volume (J/m^3), stresses second Piola-Kirchhoff (Pa).
+pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'static {
+    /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012).
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T;
+
+    /// Second Piola-Kirchhoff stress `S = d psi / dE` (Pa) (eq. 11).
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D>;
+
+    /// Elasticity `C[a][e][b][f] = dS[a][e] / dE[b][f]` (Pa), with both minor symmetries.
+    fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D>;
+
+    /// The constitutive part of the tangent of the first Piola-Kirchhoff stress,
+    /// `A[a][b] = sum_ef C[a][e][b][f] c_e c_f^T` with `c` the columns of the deformation
+    /// gradient; filled for `a <= b`.
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
+        let elasticity = self.elasticity(strain);
+        let mut blocks = [[[[T::zero(); D]; D]; D]; D];
+        for a in 0..D {
+            for b in a..D {
+                for e in 0..D {
+                    let mut column = [T::zero(); D];
+                    for f in 0..D {
+                        add_scaled(&mut column, elasticity[a][e][b][f], &c[f]);
+                    }
+                    for i in 0..D {
+                        add_scaled(&mut blocks[a][b][i], c[e][i], &column);
+                    }
+                }
+            }
+        }
+        blocks
+    }
+}
+
+/// A material whose energy splits into a part free of Poisson coupling and the rest, so that the
+/// two can be sampled in different places (selective reduced integration).
+pub trait PoissonSplit: Sized {
+    /// The part in which normal strains do not couple: `D0 = diag(E, .., G, ..)`.
+    fn uncoupled(&self) -> Self;
+    /// What [`uncoupled`](Self::uncoupled) leaves: `Dnu = D - D0`.
+    fn coupled(&self) -> Self;
+}
+
+/// Green-Lagrange strain `(J^T J - J0^T J0) / 2` from the columns of the reference gradient `J0`
+/// and of the displacement gradient `H = J - J0`. The textbook form squares numbers near one and
+/// loses every digit on slender beams; this one never forms them.
+#[inline(always)]
+pub fn green_lagrange<R: Real, T: Algebra<R>, const D: usize>(
+    reference: &Tensor<R, D>,
+    displacement: &Tensor<T, D>,
+) -> Tensor<T, D> {
+    let half = R::lit(0.5);
+    let middle: Tensor<T, D> = std::array::from_fn(|a| {
+        std::array::from_fn(|i| displacement[a][i].times(half) + T::lift(reference[a][i]))
+    });
+    let mut strain = [[T::zero(); D]; D];
+    for a in 0..D {
+        strain[a][a] = dot(&middle[a], &displacement[a]);
+        for b in a + 1..D {
+            let both = dot(&middle[a], &displacement[b]) + dot(&middle[b], &displacement[a]);
+            strain[a][b] = both.times(half);
+            strain[b][a] = strain[a][b];
+        }
+    }
+    strain
+}

@@ -1,0 +1,153 @@
+//! St Venant-Kirchhoff: linear elasticity between Green-Lagrange strain and second
+//! Piola-Kirchhoff stress (eq. 11 of Orzechowski 2012).
+
+use super::{Blocks, Material, PoissonSplit, Tensor};
+use crate::error::{Error, Result, positive};
+use crate::scalar::{Algebra, Real};
+use crate::tensor::add_scaled;
+
+/// Linear elastic material with orthotropic moduli: a matrix of normal moduli and one shear
+/// modulus per pair of axes. Isotropic by [`isotropic`](Self::isotropic).
+///
+/// ```
+/// use ancf::material::SaintVenantKirchhoff;
+///
+/// let steel = SaintVenantKirchhoff::<f64, 3>::isotropic(2.1e11, 0.3)?;
+/// assert!(SaintVenantKirchhoff::<f64, 3>::isotropic(2.1e11, 0.5).is_err());
+/// # Ok::<(), ancf::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SaintVenantKirchhoff<R, const D: usize> {
+    young: R,
+    normal: Tensor<R, D>,
+    shear: Tensor<R, D>,
+}
+
+impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
+    /// Isotropic material with Young's modulus `young` (Pa) and Poisson ratio `poisson`.
+    ///
+    /// In space the law is three-dimensional. In the plane (`D = 2`) it is plane stress, the
+    /// right limit of a beam whose width may contract freely.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for the modulus, [`Error::OutOfRange`] for a Poisson ratio outside
+    /// the open interval (-1, 1/2), where the law has no positive energy.
+    pub fn isotropic(young: R, poisson: R) -> Result<Self> {
+        let young = positive("Young's modulus [Pa]", young)?;
+        let half = R::lit(0.5);
+        if !(poisson.finite() && poisson > -R::one() && poisson < half) {
+            return Err(Error::OutOfRange {
+                what: "Poisson ratio",
+                value: poisson.value(),
+                range: "the open interval (-1, 0.5)",
+                remedy: "take a value below 0.5 (0.4999 for nearly incompressible material)",
+            });
+        }
+        let (one, two) = (R::one(), R::lit(2.0));
+        let shear = young / (two * (one + poisson));
+        let (diagonal, coupling) = if D == 2 {
+            let plane = young / (one - poisson * poisson);
+            (plane, plane * poisson)
+        } else {
+            let lame = young * poisson / ((one + poisson) * (one - two * poisson));
+            (lame + two * shear, lame)
+        };
+        Ok(Self {
+            young,
+            normal: std::array::from_fn(|a| {
+                std::array::from_fn(|b| if a == b { diagonal } else { coupling })
+            }),
+            shear: [[shear; D]; D],
+        })
+    }
+
+    /// Young's modulus (Pa) the material was made with.
+    pub fn young(&self) -> R {
+        self.young
+    }
+}
+
+impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {
+    fn uncoupled(&self) -> Self {
+        let mut part = *self;
+        part.normal = std::array::from_fn(|a| {
+            std::array::from_fn(|b| if a == b { self.young } else { R::zero() })
+        });
+        part
+    }
+
+    fn coupled(&self) -> Self {
+        let mut part = *self;
+        for a in 0..D {
+            part.normal[a][a] -= self.young;
+        }
+        part.shear = [[R::zero(); D]; D];
+        part
+    }
+}
+
+impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
+        let stress = self.stress(strain);
+        let mut twice = T::zero();
+        for a in 0..D {
+            for b in 0..D {
+                twice += stress[a][b] * strain[a][b];
+            }
+        }
+        twice.times(R::lit(0.5))
+    }
+
+    #[inline(always)]
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        let two = R::lit(2.0);
+        let mut stress = [[T::zero(); D]; D];
+        for a in 0..D {
+            for b in 0..D {
+                stress[a][a] += strain[b][b].times(self.normal[a][b]);
+            }
+            for b in a + 1..D {
+                stress[a][b] = strain[a][b].times(two * self.shear[a][b]);
+                stress[b][a] = stress[a][b];
+            }
+        }
+        stress
+    }
+
+    #[inline(always)]
+    fn elasticity<T: Algebra<R>>(&self, _strain: &Tensor<T, D>) -> Blocks<T, D> {
+        let mut c = [[[[T::zero(); D]; D]; D]; D];
+        for a in 0..D {
+            for b in 0..D {
+                c[a][a][b][b] = T::lift(self.normal[a][b]);
+                if a != b {
+                    c[a][b][a][b] = T::lift(self.shear[a][b]);
+                    c[a][b][b][a] = T::lift(self.shear[a][b]);
+                }
+            }
+        }
+        c
+    }
+
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(&self, _strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
+        let mut blocks = [[[[T::zero(); D]; D]; D]; D];
+        for a in 0..D {
+            for b in a..D {
+                for i in 0..D {
+                    let row = &mut blocks[a][b][i];
+                    add_scaled(row, c[a][i].times(self.normal[a][b]), &c[b]);
+                    if a == b {
+                        for e in (0..D).filter(|&e| e != a) {
+                            add_scaled(row, c[e][i].times(self.shear[a][e]), &c[e]);
+                        }
+                    } else {
+                        add_scaled(row, c[b][i].times(self.shear[a][b]), &c[a]);
+                    }
+                }
+            }
+        }
+        blocks
+    }
+}

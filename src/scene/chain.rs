@@ -1,0 +1,196 @@
+//! A body of the system: a chain of equal elements behind one dynamic call per evaluation, so
+//! that the loop over elements is monomorphic in element, formulation and number type.
+
+use std::fmt::Debug;
+use std::ops::Range;
+
+use crate::element::{Element, NodalVector};
+use crate::error::Result;
+use crate::formulation::{ElementKernel, Inertia, Reference, Tangent, reference_vectors};
+use crate::scalar::Real;
+use crate::solver::band::BandMatrix;
+
+/// Equal elements in a row that share their end nodes. Coordinates are contiguous: element `n`
+/// reads one slice of the system's vector.
+#[derive(Debug)]
+pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
+    pub(super) element: E,
+    pub(super) kernel: Kn,
+    pub(super) inertia: Option<Inertia<R, S>>,
+    pub(super) reference: Reference<R, D>,
+    pub(super) from: [R; D],
+    pub(super) elements: usize,
+    pub(super) offset: usize,
+}
+
+/// What the system asks of a body. Everything is added to what is given.
+pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
+    fn energy(&self, u: &[R]) -> R;
+    fn force(&self, u: &[R], q: &mut [R]);
+    fn tangent(&self, u: &[R], q: &mut [R], k: &mut BandMatrix<R>) -> Result<()>;
+    /// Mass matrix over nodal vectors and first moments; nothing without a density.
+    fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
+    fn reference(&self, e: &mut [R]);
+    /// Ranges of coordinates that one element couples.
+    fn couplings(&self) -> Vec<Range<usize>>;
+    /// Shape functions at axial position `s` in [0, 1] of the body and cross position `y` (m)
+    /// (entry 0 unused), with the index of the coordinates' first component.
+    fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>);
+    fn describe(&self) -> String;
+}
+
+/// A body with what the scene must know of it.
+#[derive(Debug)]
+pub(super) struct Body<R, const D: usize> {
+    elastic: Box<dyn Elastic<R, D>>,
+    vectors: &'static [NodalVector],
+    nodes: usize,
+    range: Range<usize>,
+    frame: [[R; D]; D],
+    length: R,
+    has_mass: bool,
+}
+
+impl<R: Real, const D: usize> Body<R, D> {
+    pub(super) fn new<E, Kn, const S: usize>(chain: Chain<R, E, Kn, D, S>) -> Self
+    where
+        E: Element<D, S>,
+        Kn: ElementKernel<R, D, S>,
+    {
+        let nodes = (E::NODES - 1) * chain.elements + 1;
+        let count = nodes * E::VECTORS.len() * D;
+        Self {
+            vectors: E::VECTORS,
+            nodes,
+            range: chain.offset..chain.offset + count,
+            frame: chain.reference.frame,
+            length: chain.reference.length * R::lit(chain.elements as f64),
+            has_mass: chain.inertia.is_some(),
+            elastic: Box::new(chain),
+        }
+    }
+
+    pub(super) fn elastic(&self) -> &dyn Elastic<R, D> {
+        &*self.elastic
+    }
+    pub(super) fn vectors(&self) -> &'static [NodalVector] {
+        self.vectors
+    }
+    pub(super) fn nodes(&self) -> usize {
+        self.nodes
+    }
+    pub(super) fn range(&self) -> Range<usize> {
+        self.range.clone()
+    }
+    pub(super) fn frame(&self) -> &[[R; D]; D] {
+        &self.frame
+    }
+    pub(super) fn length(&self) -> R {
+        self.length
+    }
+    pub(super) fn has_mass(&self) -> bool {
+        self.has_mass
+    }
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> Chain<R, E, Kn, D, S>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    const STRIDE: usize = (E::NODES - 1) * E::VECTORS.len() * D;
+
+    fn range(&self, element: usize) -> Range<usize> {
+        let start = self.offset + element * Self::STRIDE;
+        start..start + S * D
+    }
+
+    /// Nodal displacements of one element.
+    #[inline(always)]
+    fn gather(&self, element: usize, x: &[R]) -> [[R; D]; S] {
+        let slice = &x[self.range(element)];
+        std::array::from_fn(|i| std::array::from_fn(|c| slice[i * D + c]))
+    }
+
+    #[inline(always)]
+    fn scatter(&self, element: usize, q: &[[R; D]; S], out: &mut [R]) {
+        for (sum, value) in out[self.range(element)].iter_mut().zip(q.as_flattened()) {
+            *sum += *value;
+        }
+    }
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, E, Kn, D, S>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    fn energy(&self, u: &[R]) -> R {
+        let energy = |n| self.kernel.energy(&self.gather(n, u));
+        (0..self.elements).map(energy).sum()
+    }
+
+    fn force(&self, u: &[R], q: &mut [R]) {
+        for n in 0..self.elements {
+            let mut element = [[R::zero(); D]; S];
+            self.kernel.force(&self.gather(n, u), &mut element);
+            self.scatter(n, &element, q);
+        }
+    }
+
+    fn tangent(&self, u: &[R], q: &mut [R], k: &mut BandMatrix<R>) -> Result<()> {
+        for n in 0..self.elements {
+            let mut force = [[R::zero(); D]; S];
+            let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+            self.kernel
+                .tangent(&self.gather(n, u), &mut force, &mut tangent);
+            self.scatter(n, &force, q);
+            let block = tangent.as_flattened().as_flattened().as_flattened();
+            k.add_block(self.range(n).start, S * D, block)?;
+        }
+        Ok(())
+    }
+
+    fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {
+        let Some(inertia) = &self.inertia else {
+            return Ok(());
+        };
+        for n in 0..self.elements {
+            let start = self.range(n).start / D;
+            mass.add_block(start, S, inertia.mass.as_flattened())?;
+            for i in 0..S {
+                first[start + i] += inertia.first[i];
+            }
+        }
+        Ok(())
+    }
+
+    fn reference(&self, e: &mut [R]) {
+        for n in 0..self.elements {
+            let along = self.reference.length * R::lit(n as f64);
+            let origin = std::array::from_fn(|c| self.from[c] + along * self.reference.frame[0][c]);
+            let vectors = reference_vectors(&self.element, &self.reference, &origin);
+            e[self.range(n)].copy_from_slice(vectors.as_flattened());
+        }
+    }
+
+    fn couplings(&self) -> Vec<Range<usize>> {
+        (0..self.elements).map(|n| self.range(n)).collect()
+    }
+
+    fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>) {
+        let along = s * R::lit(self.elements as f64);
+        let last = self.elements - 1;
+        let n = (along.value().max(0.0) as usize).min(last);
+        let mut x = y.map(|y| y / self.reference.length);
+        x[0] = along - R::lit(n as f64);
+        let shape = self.element.shape(self.reference.length, x);
+        (self.range(n).start, shape.to_vec())
+    }
+
+    fn describe(&self) -> String {
+        format!("{} elements of {:?}", self.elements, self.element)
+    }
+}

@@ -1,0 +1,344 @@
+//! Nodal loads: dead forces and moments. A moment acts on slope vectors, and there are several
+//! ways to say how; they differ at large strain, so each is named.
+
+use std::fmt::{self, Debug};
+use std::ops::Range;
+use std::sync::Arc;
+
+use num_dual::Dual;
+
+use crate::error::{Error, Result, finite};
+use crate::scalar::{Algebra, Real};
+use crate::solver::band::BandMatrix;
+use crate::tensor::cross;
+
+pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
+
+/// How a moment acts on the slopes `r_x`, `r_y`, `r_z` of a node: the generalised forces `Q` it
+/// does work with. All agree at small strain on an undeformed section; they differ in what they
+/// do when slopes stretch and shear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MomentLaw {
+    /// Work-conjugate to the rotation of slope `p` about the moment's axis:
+    /// `Q_p = m x p / |p|^2`. On a cross slope (axis 1 or 2) the default way; on `r_x` (axis 0)
+    /// the couple travels as shear through the last element and the answer depends on the mesh.
+    SlopeRotation(usize),
+    /// Couple of two forces of fixed size that turn with slope `p`: `Q_p = m x p / |p|`.
+    FollowerCouple(usize),
+    /// Linear normal traction along the unit tangent `t = r_x / |r_x|`:
+    /// `Q_{r_y} = -M_z t`, `Q_{r_z} = M_y t`, moment components about the material axes.
+    TangentTraction,
+    /// Linear second Piola-Kirchhoff traction: as [`TangentTraction`](Self::TangentTraction) with
+    /// `r_x` itself in place of the unit tangent.
+    PiolaTraction,
+    /// Work-conjugate to the mean rotation of the triad: `Q_p = m x p / (2 |p|^2)` on every slope.
+    MeanRotation,
+    /// Work-conjugate to the rotation of the polar decomposition of the gradient:
+    /// `Q_k = w x d_k` with `(tr V I - V) w = m`, `d_k` the rotated axes and `V` the left stretch.
+    PolarRotation,
+}
+
+impl MomentLaw {
+    /// Material axes of the slopes the law reads or acts on, in `dimension` dimensions.
+    pub(super) fn slopes(self, dimension: usize) -> Range<usize> {
+        match self {
+            Self::SlopeRotation(axis) | Self::FollowerCouple(axis) => axis..axis + 1,
+            _ => 0..dimension,
+        }
+    }
+
+    /// Whether the law has a potential for every motion in `dimension` dimensions, so that its
+    /// tangent is symmetric. In space no moment about a fixed axis has one.
+    fn conservative(self, dimension: usize) -> bool {
+        dimension == 2
+            && matches!(
+                self,
+                Self::SlopeRotation(_) | Self::MeanRotation | Self::PolarRotation
+            )
+    }
+
+    /// Generalised forces on the slopes `p`, embedded in space.
+    fn forces<R: Real, T: Real + Algebra<R>>(
+        self,
+        moment: &[R; 3],
+        frame: &[[R; 3]; 3],
+        p: &[[T; 3]; 3],
+    ) -> [[T; 3]; 3] {
+        let m = moment.map(T::lift);
+        let square = |v: &[T; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let scaled = |v: [T; 3], k: T| v.map(|c| c * k);
+        let mut q = [[T::zero(); 3]; 3];
+        match self {
+            Self::SlopeRotation(axis) => {
+                q[axis] = scaled(cross(&m, &p[axis]), square(&p[axis]).recip());
+            }
+            Self::FollowerCouple(axis) => {
+                q[axis] = scaled(cross(&m, &p[axis]), square(&p[axis]).sqrt().recip());
+            }
+            Self::TangentTraction | Self::PiolaTraction => {
+                let size = match self {
+                    Self::TangentTraction => square(&p[0]).sqrt().recip(),
+                    _ => T::one(),
+                };
+                let about = |a: usize| (0..3).map(|c| moment[c] * frame[a][c]).sum::<R>();
+                q[1] = scaled(p[0], -size.times(about(2)));
+                q[2] = scaled(p[0], size.times(about(1)));
+            }
+            Self::MeanRotation => {
+                let half = T::lit(0.5);
+                for a in 0..3 {
+                    q[a] = scaled(cross(&m, &p[a]), half * square(&p[a]).recip());
+                }
+            }
+            Self::PolarRotation => {
+                let d = polar_rotation(p);
+                // V = F R^T in components: sum over columns.
+                let v: [[T; 3]; 3] = std::array::from_fn(|i| {
+                    std::array::from_fn(|j| (0..3).map(|k| p[k][i] * d[k][j]).sum())
+                });
+                let trace = v[0][0] + v[1][1] + v[2][2];
+                let a: [[T; 3]; 3] = std::array::from_fn(|i| {
+                    std::array::from_fn(|j| if i == j { trace - v[i][j] } else { -v[i][j] })
+                });
+                let w = solve(&a, &m);
+                for k in 0..3 {
+                    q[k] = cross(&w, &d[k]);
+                }
+            }
+        }
+        q
+    }
+}
+
+/// Columns of the rotation closest to the gradient with columns `p`, by Higham's iteration
+/// `X <- (X + X^-T) / 2`.
+fn polar_rotation<T: Real>(p: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+    let half = T::lit(0.5);
+    let mut x = *p;
+    // Quadratic convergence: ten rounds reach rounding from any stretch between 1/10 and 10,
+    // derivatives included.
+    for _ in 0..10 {
+        let cofactor = [
+            cross(&x[1], &x[2]),
+            cross(&x[2], &x[0]),
+            cross(&x[0], &x[1]),
+        ];
+        let det: T = (0..3).map(|c| x[0][c] * cofactor[0][c]).sum();
+        let inverse = det.recip();
+        for k in 0..3 {
+            for c in 0..3 {
+                x[k][c] = half * (x[k][c] + cofactor[k][c] * inverse);
+            }
+        }
+    }
+    x
+}
+
+/// Solves a symmetric 3 x 3 system by cofactors.
+fn solve<T: Real>(a: &[[T; 3]; 3], b: &[T; 3]) -> [T; 3] {
+    let cofactor = [
+        cross(&a[1], &a[2]),
+        cross(&a[2], &a[0]),
+        cross(&a[0], &a[1]),
+    ];
+    let det: T = (0..3).map(|c| a[0][c] * cofactor[0][c]).sum();
+    std::array::from_fn(|c| (0..3).map(|k| cofactor[k][c] * b[k]).sum::<T>() / det)
+}
+
+/// A moment vector (N m) in global components and the law by which it acts. In the plane only the
+/// third component, normal to the plane, can act.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment<R> {
+    /// The moment vector (N m).
+    pub vector: [R; 3],
+    /// How it acts on the slopes.
+    pub law: MomentLaw,
+}
+
+impl<R: Real> Moment<R> {
+    /// A moment `m` (N m) about the global `z` axis, work-conjugate to the rotation of the cross
+    /// slope `r_y`.
+    pub fn about_z(m: R) -> Self {
+        Self::new([R::zero(), R::zero(), m], MomentLaw::SlopeRotation(1))
+    }
+
+    /// Any moment vector (N m) with its law.
+    pub fn new(vector: [R; 3], law: MomentLaw) -> Self {
+        Self { vector, law }
+    }
+
+    pub(super) fn check<const D: usize>(&self, frame: &[[R; D]; D]) -> Result<()> {
+        for component in self.vector {
+            finite("component of a moment [N m]", component)?;
+        }
+        let off_plane = self.vector[0].abs() + self.vector[1].abs();
+        if D == 2 && !off_plane.is_zero() {
+            return Err(Error::Unsupported {
+                what: format!(
+                    "a moment with in-plane components ({}, {}) in a planar scene",
+                    self.vector[0].value(),
+                    self.vector[1].value()
+                ),
+                remedy: "give the third component only, or use a spatial scene",
+            });
+        }
+        if let MomentLaw::SlopeRotation(axis) | MomentLaw::FollowerCouple(axis) = self.law
+            && axis >= D
+        {
+            return Err(Error::Unsupported {
+                what: format!("a moment on slope {axis} in {D} dimensions"),
+                remedy: "slopes are numbered 0 (axis) to D - 1",
+            });
+        }
+        if matches!(
+            self.law,
+            MomentLaw::TangentTraction | MomentLaw::PiolaTraction
+        ) {
+            let torsion: R = (0..D).map(|c| self.vector[c] * frame[0][c]).sum();
+            let size = self.vector.iter().fold(R::zero(), |s, c| s + c.abs());
+            if torsion.abs() > size * R::lit(1e3 * R::EPSILON) {
+                return Err(Error::Unsupported {
+                    what: format!(
+                        "a normal traction with the torsional moment {}",
+                        torsion.value()
+                    ),
+                    remedy: "normal tractions carry bending only; use SlopeRotation or MeanRotation",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a nodal load acts on.
+#[derive(Clone)]
+pub(super) enum Action<R, const D: usize> {
+    /// A force on the position coordinates that start at `at`.
+    Force { at: usize, force: [R; D] },
+    /// A moment on slopes whose coordinates start at `slopes[axis]`.
+    Moment {
+        slopes: [usize; D],
+        frame: [[R; D]; D],
+        moment: Moment<R>,
+    },
+}
+
+/// A load on a node, with its course in time.
+#[derive(Clone)]
+pub(super) struct NodalLoad<R, const D: usize> {
+    pub(super) action: Action<R, D>,
+    pub(super) amplitude: Option<Amplitude<R>>,
+}
+
+impl<R: Debug, const D: usize> Debug for NodalLoad<R, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let course = if self.amplitude.is_some() {
+            "in time"
+        } else {
+            "constant"
+        };
+        match &self.action {
+            Action::Force { at, force } => write!(f, "{course} force {force:?} at {at}"),
+            Action::Moment { moment, .. } => write!(f, "{course} {moment:?}"),
+        }
+    }
+}
+
+impl<R: Real, const D: usize> NodalLoad<R, D> {
+    pub(super) fn symmetric(&self) -> bool {
+        match &self.action {
+            Action::Force { .. } => true,
+            Action::Moment { moment, .. } => moment.law.conservative(D),
+        }
+    }
+
+    /// Amplitude at a time, refused when it is not finite.
+    pub(super) fn amplitude(&self, time: R) -> Result<R> {
+        match &self.amplitude {
+            None => Ok(R::one()),
+            Some(course) => {
+                let value = course(time);
+                if value.finite() {
+                    return Ok(value);
+                }
+                Err(Error::LoadNotFinite {
+                    time: time.value(),
+                    value: value.value(),
+                })
+            }
+        }
+    }
+
+    /// Adds the generalised forces at coordinates `e` (absolute).
+    pub(super) fn add(&self, amplitude: R, e: impl Fn(usize) -> R, q: &mut [R]) {
+        match &self.action {
+            Action::Force { at, force } => {
+                for c in 0..D {
+                    q[at + c] += amplitude * force[c];
+                }
+            }
+            Action::Moment {
+                slopes,
+                frame,
+                moment,
+            } => {
+                let p = embed::<R, D>(|a, c| e(slopes[a] + c));
+                let vector = moment.vector.map(|m| m * amplitude);
+                let forces = moment.law.forces(&vector, &space(frame), &p);
+                for a in moment.law.slopes(D) {
+                    for c in 0..D {
+                        q[slopes[a] + c] += forces[a][c];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Subtracts the derivative of the generalised forces from a tangent.
+    pub(super) fn subtract_tangent(
+        &self,
+        amplitude: R,
+        e: impl Fn(usize) -> R,
+        k: &mut BandMatrix<R>,
+    ) -> Result<()> {
+        let Action::Moment {
+            slopes,
+            frame,
+            moment,
+        } = &self.action
+        else {
+            return Ok(());
+        };
+        let vector = moment.vector.map(|m| m * amplitude);
+        let plain: [[R; 3]; 3] = embed::<R, D>(|a, c| e(slopes[a] + c));
+        let frame = space(frame);
+        for b in moment.law.slopes(D) {
+            for d in 0..D {
+                let mut p = plain.map(|column| column.map(Dual::from_re));
+                p[b][d] = p[b][d].derivative();
+                let forces = moment.law.forces(&vector, &frame, &p);
+                for a in moment.law.slopes(D) {
+                    for c in 0..D {
+                        k.add(slopes[a] + c, slopes[b] + d, -forces[a][c].eps)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Slopes embedded in space; the third direction of a planar scene is the normal.
+fn embed<R: Real, const D: usize>(slope: impl Fn(usize, usize) -> R) -> [[R; 3]; 3] {
+    std::array::from_fn(|a| {
+        std::array::from_fn(|c| match (a < D, c < D) {
+            (true, true) => slope(a, c),
+            (false, false) => R::one(),
+            _ => R::zero(),
+        })
+    })
+}
+
+fn space<R: Real, const D: usize>(frame: &[[R; D]; D]) -> [[R; 3]; 3] {
+    embed::<R, D>(|a, c| frame[a][c])
+}

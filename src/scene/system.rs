@@ -1,0 +1,373 @@
+//! The assembled system: coordinates, constant mass, loads and the bodies' elastic forces, as the
+//! solvers see them through [`Structure`].
+
+use std::fmt;
+use std::ops::Range;
+
+use super::chain::Body;
+use super::load::NodalLoad;
+use super::{Node, coordinates, locate};
+use crate::element::NodalVector;
+use crate::error::{Error, Result, finite};
+use crate::scalar::Real;
+use crate::solver::band::{BandMatrix, Profile};
+use crate::solver::{State, Structure};
+use crate::tensor::{add_scaled, cross};
+
+/// Energy balance of a state (J).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Energies<R> {
+    /// Kinetic energy (eq. 7 of Orzechowski 2012).
+    pub kinetic: R,
+    /// Strain energy (eq. 10).
+    pub elastic: R,
+    /// Potential of gravity, zero in the reference state.
+    pub gravity: R,
+    /// Work of nodal loads.
+    pub work: R,
+}
+
+impl<R: Real> Energies<R> {
+    /// Kinetic plus elastic plus gravity: constant without nodal loads.
+    pub fn total(&self) -> R {
+        self.kinetic + self.elastic + self.gravity
+    }
+
+    /// [`total`](Self::total) minus the work of loads: constant in exact arithmetic and time.
+    pub fn balance(&self) -> R {
+        self.total() - self.work
+    }
+}
+
+/// An assembled scene.
+#[derive(Debug)]
+pub struct System<R: Real, const D: usize> {
+    bodies: Vec<Body<R, D>>,
+    loads: Vec<NodalLoad<R, D>>,
+    fixed: Vec<usize>,
+    profile: Profile,
+    reference: Vec<R>,
+    measure: Vec<R>,
+    /// Mass over nodal vectors (the same for every component).
+    mass: Option<BandMatrix<R>>,
+    /// Constant generalised force of gravity.
+    weight: Option<Vec<R>>,
+}
+
+impl<R: Real, const D: usize> System<R, D> {
+    pub(super) fn new(
+        bodies: Vec<Body<R, D>>,
+        mut fixed: Vec<usize>,
+        loads: Vec<NodalLoad<R, D>>,
+        gravity: Option<[R; D]>,
+    ) -> Result<Self> {
+        let Some(last) = bodies.last() else {
+            return Err(Error::EmptyScene);
+        };
+        let size = last.range().end;
+        fixed.sort_unstable();
+        fixed.dedup();
+        let couplings = || bodies.iter().flat_map(|b| b.elastic().couplings());
+        let profile = Profile::from_ranges(size, couplings())?;
+        let mut reference = vec![R::zero(); size];
+        let mut measure = vec![R::one(); size];
+        for body in &bodies {
+            body.elastic().reference(&mut reference);
+            let per_node = body.vectors().len();
+            for (i, unit) in measure[body.range()].iter_mut().enumerate() {
+                if body.vectors()[(i / D) % per_node] == NodalVector::Position {
+                    *unit = body.length();
+                }
+            }
+        }
+        let massive = bodies.iter().filter(|b| b.has_mass()).count();
+        if massive > 0 && massive < bodies.len() {
+            return Err(Error::Unsupported {
+                what: "a scene in which some beams have a density and others have none".into(),
+                remedy: "give every beam a density, or none for statics without gravity",
+            });
+        }
+        let mut mass = None;
+        let mut weight = None;
+        if massive > 0 {
+            let vectors = |r: Range<usize>| r.start / D..r.end / D;
+            let scalar = Profile::from_ranges(size / D, couplings().map(vectors))?;
+            let mut matrix = BandMatrix::symmetric(&scalar);
+            let mut first = vec![R::zero(); size / D];
+            for body in &bodies {
+                body.elastic().inertia(&mut matrix, &mut first)?;
+            }
+            mass = Some(matrix);
+            if let Some(g) = gravity {
+                weight = Some(first.iter().flat_map(|m| g.map(|g| *m * g)).collect());
+            }
+        } else if gravity.is_some() {
+            return Err(Error::Unsupported {
+                what: "gravity on beams without density".into(),
+                remedy: "give the beams a density with Beam::density",
+            });
+        }
+        Ok(Self {
+            bodies,
+            loads,
+            fixed,
+            profile,
+            reference,
+            measure,
+            mass,
+            weight,
+        })
+    }
+
+    /// The reference state at rest at time zero.
+    pub fn rest(&self) -> State<R> {
+        let zeros = || vec![R::zero(); self.reference.len()];
+        State {
+            time: R::zero(),
+            displacement: zeros(),
+            velocity: zeros(),
+            acceleration: zeros(),
+            work: R::zero(),
+        }
+    }
+
+    /// Reference coordinates `e0` (positions in metres, slopes dimensionless), node by node.
+    pub fn reference(&self) -> &[R] {
+        &self.reference
+    }
+
+    /// Displacement of a node's position (m).
+    ///
+    /// # Errors
+    /// When there is no such node.
+    pub fn displacement(&self, state: &State<R>, node: Node) -> Result<[R; D]> {
+        let at = coordinates(&self.bodies, node, NodalVector::Position)?;
+        Ok(std::array::from_fn(|c| state.displacement[at + c]))
+    }
+
+    /// Position of a node (m).
+    ///
+    /// # Errors
+    /// When there is no such node.
+    pub fn position(&self, state: &State<R>, node: Node) -> Result<[R; D]> {
+        self.vector(state, node, NodalVector::Position)
+    }
+
+    /// Current value of a nodal vector: position (m) or slope.
+    ///
+    /// # Errors
+    /// When there is no such node or its element no such vector.
+    pub fn vector(&self, state: &State<R>, node: Node, vector: NodalVector) -> Result<[R; D]> {
+        let at = coordinates(&self.bodies, node, vector)?;
+        Ok(std::array::from_fn(|c| {
+            self.reference[at + c] + state.displacement[at + c]
+        }))
+    }
+
+    /// Index of the first component of a nodal vector in the vectors of a [`State`].
+    ///
+    /// # Errors
+    /// When there is no such node or its element no such vector.
+    pub fn coordinate(&self, node: Node, vector: NodalVector) -> Result<usize> {
+        coordinates(&self.bodies, node, vector)
+    }
+
+    /// Current position (m) of the material point at fraction `s` in [0, 1] of the axis of the
+    /// beam that `node` belongs to and at the cross position `y` (m) (entry 0 is not used).
+    ///
+    /// # Errors
+    /// When there is no such beam or `s` is not finite.
+    pub fn point(&self, state: &State<R>, node: Node, s: R, y: [R; D]) -> Result<[R; D]> {
+        let (body, _) = locate(&self.bodies, node)?;
+        finite("axial position along a beam", s)?;
+        let (start, shape) = body.elastic().shape(s, &y);
+        let mut r = [R::zero(); D];
+        for (i, s) in shape.into_iter().enumerate() {
+            let at = start + i * D;
+            let e = std::array::from_fn(|c| self.reference[at + c] + state.displacement[at + c]);
+            add_scaled(&mut r, s, &e);
+        }
+        Ok(r)
+    }
+
+    /// Sets the velocity field of a rigid motion: `v` (m/s) of the origin and the angular velocity
+    /// `omega` (rad/s) (in the plane only its third component acts).
+    pub fn set_rigid_velocity(&self, state: &mut State<R>, v: [R; D], omega: [R; 3]) {
+        for body in &self.bodies {
+            let per_node = body.vectors().len();
+            for (i, start) in body.range().step_by(D).enumerate() {
+                let e: [R; 3] = std::array::from_fn(|c| match c < D {
+                    true => self.reference[start + c] + state.displacement[start + c],
+                    false => R::zero(),
+                });
+                let turned = cross(&omega, &e);
+                let position = body.vectors()[i % per_node] == NodalVector::Position;
+                for c in 0..D {
+                    let drift = if position { v[c] } else { R::zero() };
+                    state.velocity[start + c] = drift + turned[c];
+                }
+            }
+        }
+        for &i in &self.fixed {
+            state.velocity[i] = R::zero();
+        }
+    }
+
+    /// Energy balance of a state; terms the scene does not have are zero. Allocates only with a
+    /// mass matrix, never inside a time step.
+    pub fn energies(&self, state: &State<R>) -> Energies<R> {
+        let u = &state.displacement;
+        let mut kinetic = R::zero();
+        if self.mass.is_some() {
+            let mut momentum = vec![R::zero(); u.len()];
+            self.add_mass_times(R::one(), &state.velocity, &mut momentum);
+            let twice: R = momentum
+                .iter()
+                .zip(&state.velocity)
+                .map(|(p, v)| *p * *v)
+                .sum();
+            kinetic = twice * R::lit(0.5);
+        }
+        let fall = |w: &Vec<R>| -w.iter().zip(u).map(|(w, u)| *w * *u).sum::<R>();
+        Energies {
+            kinetic,
+            elastic: self.bodies.iter().map(|b| b.elastic().energy(u)).sum(),
+            gravity: self.weight.as_ref().map_or(R::zero(), fall),
+            work: state.work,
+        }
+    }
+
+    /// What is modelled, in words: unknowns, bodies, terms switched on.
+    pub fn describe(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl<R: Real, const D: usize> fmt::Display for System<R, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let on = |there: bool| if there { "yes" } else { "no" };
+        let plural = if self.bodies.len() == 1 {
+            "beam"
+        } else {
+            "beams"
+        };
+        writeln!(
+            f,
+            "{} {plural} in {D} dimensions, {} coordinates, {} of them fixed",
+            self.bodies.len(),
+            self.reference.len(),
+            self.fixed.len()
+        )?;
+        for body in &self.bodies {
+            writeln!(f, "  {}", body.elastic().describe())?;
+        }
+        writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
+        writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
+        writeln!(f, "  nodal loads: {}", self.loads.len())?;
+        write!(f, "  symmetric tangent: {}", on(self.symmetric()))
+    }
+}
+
+impl<R: Real, const D: usize> Structure<R> for System<R, D> {
+    fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    fn symmetric(&self) -> bool {
+        self.loads.iter().all(NodalLoad::symmetric)
+    }
+
+    fn fixed(&self) -> &[usize] {
+        &self.fixed
+    }
+
+    fn measure(&self) -> &[R] {
+        &self.measure
+    }
+
+    fn add_internal(&self, u: &[R], q: &mut [R]) {
+        for body in &self.bodies {
+            body.elastic().force(u, q);
+        }
+    }
+
+    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        if let Some(weight) = &self.weight {
+            for (q, w) in q.iter_mut().zip(weight) {
+                *q += factor * *w;
+            }
+        }
+        self.add_applied(time, factor, u, q)
+    }
+
+    fn has_applied(&self) -> bool {
+        !self.loads.is_empty()
+    }
+
+    fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        for load in &self.loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.add(amplitude, |i| self.reference[i] + u[i], q);
+        }
+        Ok(())
+    }
+
+    fn add_tangent(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        q: &mut [R],
+        k: &mut BandMatrix<R>,
+    ) -> Result<()> {
+        for body in &self.bodies {
+            body.elastic().tangent(u, q, k)?;
+        }
+        for load in &self.loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
+        }
+        Ok(())
+    }
+
+    fn has_mass(&self) -> bool {
+        self.mass.is_some()
+    }
+
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        let Some(mass) = &self.mass else { return };
+        for i in 0..mass.size() {
+            let (first, row) = mass.row(i);
+            for (j, m) in (first..).zip(row) {
+                let m = factor * *m;
+                for c in 0..D {
+                    out[i * D + c] += m * a[j * D + c];
+                }
+                if i != j {
+                    for c in 0..D {
+                        out[j * D + c] += m * a[i * D + c];
+                    }
+                }
+            }
+        }
+    }
+
+    fn add_mass(&self, factor: R, k: &mut BandMatrix<R>) -> Result<()> {
+        let Some(mass) = &self.mass else {
+            return Ok(());
+        };
+        for i in 0..mass.size() {
+            let (first, row) = mass.row(i);
+            for (j, m) in (first..).zip(row) {
+                let m = factor * *m;
+                for c in 0..D {
+                    k.add(i * D + c, j * D + c, m)?;
+                    if i != j {
+                        k.add(j * D + c, i * D + c, m)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,16 @@
+//! Solvers: linear algebra of chains, Newton's method, statics. They live apart from the mechanics
+//! because they know nothing of beams: they see a [`Structure`] through residuals, tangents and
+//! masses over any [`Real`](crate::scalar::Real).
+
+pub mod band;
+mod newton;
+mod state;
+mod statics;
+mod structure;
+
+pub use band::{BandMatrix, Factor, Profile};
+pub(crate) use newton::{Equations, Workspace};
+pub use newton::{Newton, Refresh, Solved};
+pub use state::State;
+pub use statics::{StaticReport, Statics};
+pub use structure::Structure;

@@ -1,0 +1,42 @@
+//! The state of a structure, which statics and dynamics move on.
+
+use crate::error::{Error, Result};
+use crate::scalar::Real;
+
+/// Where a structure is: time, nodal displacements (current minus reference coordinates), their
+/// rates, and the work done by nodal loads so far.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<R> {
+    /// Time (s); in statics the parameter at which time-dependent loads are taken.
+    pub time: R,
+    /// Displacement of every coordinate: metres for positions, dimensionless for slopes.
+    pub displacement: Vec<R>,
+    /// Velocity of every coordinate (1/s).
+    pub velocity: Vec<R>,
+    /// Acceleration of every coordinate (1/s^2).
+    pub acceleration: Vec<R>,
+    /// Work of nodal forces and moments since the state was made (J) (gravity is a potential and
+    /// counted apart).
+    pub work: R,
+}
+
+impl<R: Real> State<R> {
+    /// Refuses a state of the wrong size or with a value that is not finite.
+    pub(crate) fn check(&self, size: usize) -> Result<()> {
+        crate::error::finite("time of the state [s]", self.time)?;
+        for (what, values) in [
+            ("length of the displacements of a state", &self.displacement),
+            ("length of the velocities of a state", &self.velocity),
+            ("length of the accelerations of a state", &self.acceleration),
+        ] {
+            Error::check_length(what, values.len(), size)?;
+        }
+        for value in &self.displacement {
+            crate::error::finite("displacement in the state", *value)?;
+        }
+        for value in &self.velocity {
+            crate::error::finite("velocity in the state", *value)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,143 @@
+//! Static equilibrium by load stepping: the loads grow from nothing to their full value in steps
+//! that shrink when Newton's method fails and grow back when it does well.
+
+use super::newton::{Equations, Newton, Solved, Workspace};
+use super::{State, Structure};
+use crate::error::{Error, Result};
+use crate::scalar::Real;
+
+/// Static solver with load stepping.
+///
+/// Loads with a course in time are taken at the state's time. On failure the state holds the last
+/// equilibrium found, and the error says at which share of the load that was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Statics {
+    /// Number of equal load steps to try.
+    pub steps: usize,
+    /// How often a step may be halved before giving up.
+    pub cutbacks: usize,
+    /// Newton's method at each load level.
+    pub newton: Newton,
+}
+
+impl Default for Statics {
+    fn default() -> Self {
+        Self {
+            steps: 1,
+            cutbacks: 12,
+            newton: Newton::default(),
+        }
+    }
+}
+
+/// What a static solution took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StaticReport {
+    /// Load levels solved.
+    pub steps: usize,
+    /// Steps that failed and were halved.
+    pub cutbacks: usize,
+    /// Newton iterations of all converged levels.
+    pub iterations: usize,
+    /// Residual over the force scale at the full load.
+    pub residual: f64,
+}
+
+impl Statics {
+    /// The default solver with a number of load steps.
+    pub fn in_steps(steps: usize) -> Self {
+        Self {
+            steps,
+            ..Self::default()
+        }
+    }
+
+    /// Finds the equilibrium under the full load, starting from the state given.
+    ///
+    /// # Errors
+    /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
+    /// halved [`cutbacks`](Self::cutbacks) times (a limit point, or too few supports);
+    /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
+    pub fn solve<R: Real, S: Structure<R>>(
+        &self,
+        structure: &S,
+        state: &mut State<R>,
+    ) -> Result<StaticReport> {
+        self.newton.check()?;
+        if self.steps == 0 {
+            return Err(Error::TooFew {
+                what: "number of load steps",
+                value: 0,
+                least: 1,
+                remedy: "use at least one load step",
+            });
+        }
+        state.check(structure.profile().size())?;
+        let mut workspace = Workspace::new(structure);
+        let mut report = StaticReport::default();
+        let full = R::lit((self.steps as f64).recip());
+        let smallest = full * R::lit(0.5_f64.powi(self.cutbacks as i32));
+        let mut step = full;
+        let mut reached = R::zero();
+        let mut before: Option<(Vec<R>, R)> = None;
+        let mut u = state.displacement.clone();
+        while reached < R::one() {
+            let mut factor = (reached + step).smaller(R::one());
+            // Do not leave a sliver for the last step.
+            if R::one() - factor < full * R::lit(1e-6) {
+                factor = R::one();
+            }
+            u.copy_from_slice(&state.displacement);
+            if let Some((last, from)) = &before {
+                let ratio = (factor - reached) / (reached - *from);
+                for i in 0..u.len() {
+                    u[i] += ratio * (state.displacement[i] - last[i]);
+                }
+            }
+            match self.level(structure, &mut workspace, state.time, factor, &mut u) {
+                Ok(solved) => {
+                    before = Some((state.displacement.clone(), reached));
+                    state.displacement.copy_from_slice(&u);
+                    reached = factor;
+                    report.steps += 1;
+                    report.iterations += solved.iterations;
+                    report.residual = solved.residual;
+                    if solved.iterations <= 6 {
+                        step = (step * R::lit(2.0)).smaller(full);
+                    }
+                }
+                Err(error @ Error::LoadNotFinite { .. }) => return Err(error),
+                Err(error) => {
+                    step *= R::lit(0.5);
+                    // An extrapolated guess that failed is not tried again.
+                    before = None;
+                    report.cutbacks += 1;
+                    if step < smallest {
+                        return Err(Error::StaticsFailed {
+                            reached: reached.value(),
+                            step: (step * R::lit(2.0)).value(),
+                            cause: Box::new(error),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(report)
+    }
+
+    fn level<R: Real, S: Structure<R>>(
+        &self,
+        structure: &S,
+        workspace: &mut Workspace<R>,
+        time: R,
+        factor: R,
+        u: &mut [R],
+    ) -> Result<Solved> {
+        let equations = Equations {
+            time,
+            factor,
+            inertia: None,
+        };
+        workspace.solve(structure, &self.newton, &equations, u)
+    }
+}

@@ -1,0 +1,67 @@
+//! What a solver knows of a mechanical system: a residual, a tangent and a mass matrix over a
+//! vector of coordinates. Beams are one implementation; a pendulum of one unknown in a test is
+//! another.
+
+use super::band::{BandMatrix, Profile};
+use crate::error::Result;
+use crate::scalar::Real;
+
+/// A structure with `n` coordinates: `M a + Q_s(u) = Q_e(t, u)` (eq. 16 of Orzechowski 2012) in
+/// displacements `u` from the reference state. Every method adds to its output.
+pub trait Structure<R: Real> {
+    /// Which coordinates couple.
+    fn profile(&self) -> &Profile;
+
+    /// Whether the tangent is symmetric at every state.
+    fn symmetric(&self) -> bool;
+
+    /// Indices of the coordinates that do not move, ascending.
+    fn fixed(&self) -> &[usize];
+
+    /// Natural size of each coordinate (the length of the body for positions, 1 for slopes): what
+    /// makes residuals and corrections comparable between scenes of any size.
+    fn measure(&self) -> &[R];
+
+    /// Adds the internal forces `Q_s(u)`.
+    fn add_internal(&self, u: &[R], q: &mut [R]);
+
+    /// Adds `factor * Q_e(t, u)`, all external forces.
+    ///
+    /// # Errors
+    /// When a load is not finite.
+    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()>;
+
+    /// Whether there are external forces that are not a potential of the structure's own.
+    fn has_applied(&self) -> bool;
+
+    /// Adds the part of the external forces whose work is counted step by step (nodal loads).
+    ///
+    /// # Errors
+    /// When a load is not finite.
+    fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()>;
+
+    /// Adds the internal forces to `q` and the tangent `d(Q_s - factor Q_e)/du` to `k`.
+    ///
+    /// # Errors
+    /// When a load is not finite.
+    fn add_tangent(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        q: &mut [R],
+        k: &mut BandMatrix<R>,
+    ) -> Result<()>;
+
+    /// Whether there is a mass matrix.
+    fn has_mass(&self) -> bool;
+
+    /// Adds `factor * M a`.
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]);
+
+    /// Adds `factor * M` to a matrix.
+    ///
+    /// # Errors
+    /// When the matrix has another profile.
+    fn add_mass(&self, factor: R, k: &mut BandMatrix<R>) -> Result<()>;
+}

@@ -1,0 +1,53 @@
+//! Small fixed-size vector operations of the kernels, written out over any [`Scalar`]. Not
+//! nalgebra's: its matrix products shortcut on zero real parts, which drops derivatives when the
+//! scalar is a dual number.
+
+use crate::scalar::{Algebra, Scalar};
+
+/// `a . b`.
+#[inline(always)]
+pub(crate) fn dot<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = a[0] * b[0];
+    for c in 1..D {
+        sum += a[c] * b[c];
+    }
+    sum
+}
+
+/// `a + b`.
+#[inline(always)]
+pub(crate) fn sum<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+    std::array::from_fn(|c| a[c] + b[c])
+}
+
+/// `y += k x`.
+#[inline(always)]
+pub(crate) fn add_scaled<T: Scalar, const D: usize>(y: &mut [T; D], k: T, x: &[T; D]) {
+    for c in 0..D {
+        y[c] += k * x[c];
+    }
+}
+
+/// `y += r x` with `r` a parameter of the model.
+#[inline(always)]
+pub(crate) fn add_times<R: Copy, T: Algebra<R>, const D: usize>(y: &mut [T; D], r: R, x: &[T; D]) {
+    for c in 0..D {
+        y[c] += x[c].times(r);
+    }
+}
+
+/// `r x` with `r` a parameter of the model.
+#[inline(always)]
+pub(crate) fn times<R: Copy, T: Algebra<R>, const D: usize>(r: R, x: &[T; D]) -> [T; D] {
+    std::array::from_fn(|c| x[c].times(r))
+}
+
+/// Cross product in space.
+#[inline(always)]
+pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
