@@ -144,15 +144,15 @@ impl<M> Continuum<M> {
         Ok(kernel)
     }
 
-    /// The same layers with every order raised to at least the given ones.
-    fn at_least(&self, axial: usize, section_degree: usize) -> Self
+    /// The same layers, all sampled with the given orders.
+    fn resampled(&self, axial: usize, section_degree: usize) -> Self
     where
         M: Clone,
     {
-        Self::layered(self.layers.iter().cloned().map(|mut layer| {
-            layer.axial = layer.axial.max(axial);
-            layer.section_degree = layer.section_degree.max(section_degree);
-            layer
+        Self::layered(self.layers.iter().map(|layer| Layer {
+            material: layer.material.clone(),
+            axial,
+            section_degree,
         }))
     }
 }
@@ -176,8 +176,8 @@ macro_rules! dimension {
                 check_rank(element, section, |trial, reference| match trial {
                     None => self.unchecked::<R, E, $d, S, $k>(element, reference, section),
                     Some((axial, degree)) => {
-                        let raised = self.at_least(axial, degree);
-                        raised.unchecked::<R, E, $d, S, $k>(element, reference, section)
+                        let trial = self.resampled(axial, degree);
+                        trial.unchecked::<R, E, $d, S, $k>(element, reference, section)
                     }
                 })?;
                 self.unchecked(element, reference, section)

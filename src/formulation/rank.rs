@@ -19,8 +19,8 @@ const ZERO_SINGLE: f64 = 1e-4;
 const TRIALS: usize = 8;
 
 /// Refuses a sampling that leaves zero-energy modes beyond the rigid ones. `make` builds the
-/// kernel on a given reference, with the orders as asked (`None`) or raised to at least the given
-/// number of axial points and section degree.
+/// kernel on a given reference, with the orders as asked (`None`) or with the given number of axial
+/// points and section degree.
 pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
     element: &E,
     section: &dyn Section<R>,

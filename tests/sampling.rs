@@ -1,0 +1,166 @@
+//! Claims about where the energy is sampled: which orders leave zero-energy modes, what the
+//! refusal says, and that exact rules agree with any finer one.
+
+use ancf::formulation::{ElementKernel, Reference};
+use ancf::prelude::*;
+
+fn kernel_of<const D: usize, const S: usize, F>(
+    formulation: &F,
+    section: &dyn Section<f64>,
+) -> Result<F::Kernel>
+where
+    FullyParameterised: Element<D, S>,
+    F: Formulation<f64, FullyParameterised, D, S>,
+{
+    let reference = Reference {
+        length: 0.2,
+        frame: std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
+    };
+    formulation.kernel(&FullyParameterised, &reference, section)
+}
+
+fn steel<const D: usize>() -> SaintVenantKirchhoff<f64, D> {
+    SaintVenantKirchhoff::isotropic(2.0e11, 0.3).unwrap()
+}
+
+/// 18 deformation modes in space, 9 in the plane; one or two axial points never see them all,
+/// a single section point never either.
+#[test]
+fn three_axial_points_and_section_order_two_are_needed() {
+    let disk = Disk::new(0.02).unwrap();
+    let square = Rectangle::new(0.03, 0.03).unwrap();
+    for section in [&disk as &dyn Section<f64>, &square] {
+        for axial in 1..=6 {
+            for order in 1..=4 {
+                let rule = Continuum::sampled(steel(), axial, 2 * order - 1);
+                let made = kernel_of::<3, 8, _>(&rule, section);
+                assert_eq!(
+                    made.is_ok(),
+                    axial >= 3 && order >= 2,
+                    "{axial} x order {order}"
+                );
+                let rule = Continuum::sampled(steel(), axial, 2 * order - 1);
+                let made = kernel_of::<2, 6, _>(&rule, section);
+                assert_eq!(
+                    made.is_ok(),
+                    axial >= 3 && order >= 2,
+                    "plane {axial} x {order}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_refusal_names_the_rank_and_the_orders_that_suffice() {
+    let disk = Disk::new(0.02).unwrap();
+    let error = kernel_of::<3, 8, _>(&Continuum::sampled(steel(), 5, 1), &disk).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::ZeroEnergyModes {
+                modes: 3,
+                rank: 15,
+                target: 18,
+                ..
+            }
+        ),
+        "{error:?}"
+    );
+    let text = error.to_string();
+    assert!(text.contains("at least 3 axial points"), "{text}");
+    assert!(text.contains("section rule of degree 3"), "{text}");
+    let text = kernel_of::<3, 8, _>(&Continuum::sampled(steel(), 2, 5), &disk)
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("at least 3 axial points"), "{text}");
+}
+
+/// Rank does not depend on how slender the beam is.
+#[test]
+fn slender_and_stocky_beams_are_judged_alike() {
+    for radius in [1e-7, 1e-3, 10.0] {
+        let disk = Disk::new(radius).unwrap();
+        assert!(kernel_of::<3, 8, _>(&Continuum::sampled(steel(), 3, 3), &disk).is_ok());
+        assert!(kernel_of::<3, 8, _>(&Continuum::sampled(steel(), 2, 3), &disk).is_err());
+    }
+}
+
+fn state(size: f64) -> [[f64; 3]; 8] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|c| {
+            size * ((5 * i + 3 * c + 1) as f64).sin() * if i % 4 == 0 { 0.2 } else { 1.0 }
+        })
+    })
+}
+
+#[test]
+fn the_full_rule_is_exact_and_the_reduced_one_is_not() {
+    for section in [
+        &Disk::new(0.02).unwrap() as &dyn Section<f64>,
+        &Rectangle::new(0.05, 0.01).unwrap(),
+        &Annulus::new(0.03, 0.02).unwrap(),
+    ] {
+        let energy = |rule: Continuum<SaintVenantKirchhoff<f64, 3>>| {
+            kernel_of::<3, 8, _>(&rule, section)
+                .unwrap()
+                .energy(&state(0.5))
+        };
+        let exact = energy(Continuum::sampled(steel(), 9, 9));
+        let full = energy(Continuum::full(steel()));
+        let reduced = energy(Continuum::reduced(steel()));
+        assert!((full / exact - 1.0).abs() < 1e-13, "{}", full / exact - 1.0);
+        assert!((reduced / exact - 1.0).abs() > 1e-6);
+    }
+}
+
+/// The two layers of selective reduced integration add up to the whole material where both are
+/// sampled alike, and a layer may be given by hand.
+#[test]
+fn the_parts_of_a_material_add_up() {
+    let disk = Disk::new(0.02).unwrap();
+    let material = steel();
+    let layer = |material| Layer {
+        material,
+        axial: 5,
+        section_degree: 5,
+    };
+    let split = Continuum::layered([layer(material.uncoupled()), layer(material.coupled())]);
+    let whole = Continuum::full(material);
+    let energy = |rule: Continuum<_>| {
+        let kernel = kernel_of::<3, 8, _>(&rule, &disk).unwrap();
+        kernel.energy(&state(0.3))
+    };
+    assert!((energy(split) / energy(whole) - 1.0).abs() < 1e-13);
+}
+
+/// A planar scene is the spatial one with out-of-plane coordinates at rest: at zero Poisson ratio
+/// the energies agree for any planar state and every section.
+#[test]
+fn plane_and_space_store_the_same_energy() {
+    for section in [
+        &Disk::new(0.02).unwrap() as &dyn Section<f64>,
+        &Rectangle::new(0.05, 0.01).unwrap(),
+        &Annulus::new(0.03, 0.02).unwrap(),
+    ] {
+        let solid3 = SaintVenantKirchhoff::<f64, 3>::isotropic(2e7, 0.0).unwrap();
+        let solid2 = SaintVenantKirchhoff::<f64, 2>::isotropic(2e7, 0.0).unwrap();
+        let space = kernel_of::<3, 8, _>(&Continuum::full(solid3), section).unwrap();
+        let plane = kernel_of::<2, 6, _>(&Continuum::full(solid2), section).unwrap();
+        let u2: [[f64; 2]; 6] = std::array::from_fn(|i| {
+            std::array::from_fn(|c| 0.3 * ((7 * i + 2 * c + 1) as f64).sin())
+        });
+        let u3: [[f64; 3]; 8] = std::array::from_fn(|i| {
+            if i % 4 == 3 {
+                return [0.0; 3];
+            }
+            let planar = u2[i / 4 * 3 + i % 4];
+            [planar[0], planar[1], 0.0]
+        });
+        let (a, b) = (space.energy(&u3), plane.energy(&u2));
+        assert!(
+            (a / b - 1.0).abs() < 1e-13,
+            "{a} in space, {b} in the plane"
+        );
+    }
+}
