@@ -114,6 +114,18 @@ pub enum Error {
         /// Why the last step failed.
         cause: Box<Error>,
     },
+    /// A beam has been turned inside out: its slopes span a volume of the wrong sign.
+    #[error(
+        "node {node} of beam {body} is turned inside out (volume ratio {ratio:e}): St Venant-Kirchhoff material has such equilibria under strong compression, but they mean nothing; take smaller steps or lower loads"
+    )]
+    Inverted {
+        /// Index of the beam.
+        body: usize,
+        /// Index of the node.
+        node: usize,
+        /// Volume spanned by the slopes over that of the reference state.
+        ratio: f64,
+    },
     /// A time step failed.
     #[error(
         "the step of {step:e} s from t = {time} s failed ({cause}): the state at its start is kept; go on with smaller or adaptive steps"

@@ -49,6 +49,8 @@ pub(super) struct Body<R, const D: usize> {
     frame: [[R; D]; D],
     length: R,
     has_mass: bool,
+    /// Places of the slopes among a node's vectors, if it has them all.
+    slopes: Option<[usize; D]>,
 }
 
 impl<R: Real, const D: usize> Body<R, D> {
@@ -59,7 +61,16 @@ impl<R: Real, const D: usize> Body<R, D> {
     {
         let nodes = (E::NODES - 1) * chain.elements + 1;
         let count = nodes * E::VECTORS.len() * D;
+        let place = |a| E::VECTORS.iter().position(|v| *v == NodalVector::Slope(a));
+        let mut slopes = Some([0; D]);
+        for a in 0..D {
+            slopes = slopes.zip(place(a)).map(|(mut all, at)| {
+                all[a] = at;
+                all
+            });
+        }
         Self {
+            slopes,
             vectors: E::VECTORS,
             nodes,
             range: chain.offset..chain.offset + count,
@@ -90,6 +101,35 @@ impl<R: Real, const D: usize> Body<R, D> {
     }
     pub(super) fn has_mass(&self) -> bool {
         self.has_mass
+    }
+
+    /// The first node whose slopes, all `D` of them, no longer span a volume of the sign they had,
+    /// with that volume over the one in the reference state.
+    pub(super) fn inverted(&self, reference: &[R], u: &[R]) -> Option<(usize, R)> {
+        let slopes = self.slopes?;
+        let stride = self.vectors.len() * D;
+        for node in 0..self.nodes {
+            let start = self.range.start + node * stride;
+            let slope: [[R; D]; D] = std::array::from_fn(|a| {
+                std::array::from_fn(|c| {
+                    let i = start + slopes[a] * D + c;
+                    reference[i] + u[i]
+                })
+            });
+            let volume = match D {
+                2 => slope[0][0] * slope[1][1] - slope[0][1] * slope[1][0],
+                _ => (0..3)
+                    .map(|c| {
+                        let (a, b) = ((c + 1) % 3, (c + 2) % 3);
+                        slope[0][c] * (slope[1][a] * slope[2][b] - slope[1][b] * slope[2][a])
+                    })
+                    .sum(),
+            };
+            if volume <= R::zero() {
+                return Some((node, volume));
+            }
+        }
+        None
     }
 }
 

@@ -330,6 +330,20 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         Ok(())
     }
 
+    /// The material triad of every fully parameterised node must keep its orientation.
+    fn check(&self, u: &[R]) -> Result<()> {
+        for (index, body) in self.bodies.iter().enumerate() {
+            if let Some((node, ratio)) = body.inverted(&self.reference, u) {
+                return Err(Error::Inverted {
+                    body: index,
+                    node,
+                    ratio: ratio.value(),
+                });
+            }
+        }
+        Ok(())
+    }
+
     fn has_mass(&self) -> bool {
         self.mass.is_some()
     }

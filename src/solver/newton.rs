@@ -75,6 +75,9 @@ pub struct Solved {
     pub tangents: usize,
     /// Last residual over the force scale.
     pub residual: f64,
+    /// Whether the solve ended above the tolerance, at the residual that rounding leaves: the
+    /// answer has no more digits in this number type.
+    pub at_floor: bool,
 }
 
 /// The equations of one solve: statics at a load level, or a time step. `inertia` gives the
@@ -94,7 +97,7 @@ pub(crate) struct Workspace<R> {
     tangent: BandMatrix<R>,
     factor: Factor<R>,
     factored: bool,
-    /// Reciprocal of the rounding-free residual: what rounding of forces may leave.
+    /// The residual that rounding of the forces may leave at the state of the last tangent.
     floor: R,
     internal: Vec<R>,
     external: Vec<R>,
@@ -109,6 +112,10 @@ struct Balance<R> {
     scale: R,
 }
 
+/// Largest correction, in natural sizes, after which the rounding floor still holds.
+const NEAR: f64 = 1e-2;
+/// Correction, in natural sizes, that no structure makes unless it is a mechanism.
+const RUNAWAY: f64 = 1e4;
 /// Old tangents are kept while each iteration reduces the residual at least by this.
 const SLOW: f64 = 0.1;
 
@@ -166,10 +173,17 @@ impl<R: Real> Workspace<R> {
             }
             let small = balance.residual <= balance.scale * R::lit(settings.residual);
             let settled = correction <= R::lit(settings.correction);
-            // The floor is known only once this solve or an earlier one had a tangent.
-            let at_floor = solved.iterations > 0 && balance.residual <= self.floor;
-            if (small && settled) || at_floor || balance.residual.is_zero() {
+            // The floor belongs to the state of the last tangent, so to states near it only.
+            let near = solved.iterations > 0 && correction <= R::lit(NEAR);
+            solved.at_floor = !small && near && balance.residual <= self.floor;
+            if (small && settled) || solved.at_floor || balance.residual.is_zero() {
+                structure.check(u)?;
                 return Ok(solved);
+            }
+            if correction > R::lit(RUNAWAY) {
+                let reason = "a correction ten thousand times the size of the structure: a \
+                              mechanism or an absurd load, check supports and loads";
+                return Err(self.unconverged(solved, reason));
             }
             if solved.iterations == settings.iterations {
                 return Err(self.unconverged(solved, "no convergence"));

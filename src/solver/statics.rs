@@ -41,6 +41,8 @@ pub struct StaticReport {
     pub iterations: usize,
     /// Residual over the force scale at the full load.
     pub residual: f64,
+    /// Whether that residual is the one rounding leaves, above the tolerance asked for.
+    pub at_floor: bool,
 }
 
 impl Statics {
@@ -102,6 +104,7 @@ impl Statics {
                     report.steps += 1;
                     report.iterations += solved.iterations;
                     report.residual = solved.residual;
+                    report.at_floor = solved.at_floor;
                     if solved.iterations <= 6 {
                         step = (step * R::lit(2.0)).smaller(full);
                     }

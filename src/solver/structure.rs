@@ -53,6 +53,15 @@ pub trait Structure<R: Real> {
         k: &mut BandMatrix<R>,
     ) -> Result<()>;
 
+    /// Whether a converged state is one the model can mean; by default every state is.
+    ///
+    /// # Errors
+    /// For a state that solves the equations but not the problem, such as a beam turned inside
+    /// out.
+    fn check(&self, _u: &[R]) -> Result<()> {
+        Ok(())
+    }
+
     /// Whether there is a mass matrix.
     fn has_mass(&self) -> bool;
 

@@ -1,0 +1,68 @@
+//! A time step and a Newton iteration allocate nothing: counted, not promised. One test only in
+//! this file, so that no other thread allocates meanwhile.
+
+use std::alloc::System as SystemAllocator;
+
+use ancf::prelude::*;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+
+#[global_allocator]
+static COUNTED: &StatsAlloc<SystemAllocator> = &INSTRUMENTED_SYSTEM;
+
+fn allocations(mut work: impl FnMut()) -> usize {
+    let region = Region::new(COUNTED);
+    work();
+    let change = region.change();
+    change.allocations + change.reallocations
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    assert!(allocations(|| drop(vec![1.0; 8])) > 0, "the counter counts");
+
+    let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.3).unwrap();
+    let disk = Disk::new(0.01).unwrap();
+    let formulation = Continuum::selective_reduced(rubber);
+    let build = |moment: bool| {
+        let mut scene = Scene::<f64, 3>::new();
+        let beam = Beam::new(FullyParameterised, disk, formulation.clone())
+            .straight([0.0; 3], [1.0, 0.0, 0.0], 10)
+            .density(7200.0);
+        let beam = scene.add(beam).unwrap();
+        scene.pin(beam.start()).unwrap();
+        scene.gravity([0.0, -9.81, 0.0]).unwrap();
+        if moment {
+            // A follower moment: unsymmetric tangents, factorised with pivoting.
+            let moment = Moment::new([0.0, 0.0, 0.1], MomentLaw::MeanRotation);
+            scene.moment_in_time(beam.end(), moment, f64::sin).unwrap();
+        }
+        scene.assemble().unwrap()
+    };
+    for moment in [false, true] {
+        for refresh in [
+            Refresh::EveryIteration,
+            Refresh::EverySolve,
+            Refresh::WhenSlow,
+        ] {
+            let system = build(moment);
+            let newton = Newton {
+                refresh,
+                ..Newton::default()
+            };
+            let method = Newmark::trapezoidal().with_newton(newton);
+            let mut run = Integration::start(&system, system.rest(), &method).unwrap();
+            run.step(1e-3).unwrap();
+            let count = allocations(|| {
+                for _ in 0..20 {
+                    run.step(1e-3).unwrap();
+                }
+            });
+            assert_eq!(count, 0, "{refresh:?}, moment: {moment}");
+            let count = allocations(|| {
+                let control = Stepping::Adaptive(Adaptive::to(1e-4));
+                run.until(0.05, control, |_| {}).unwrap();
+            });
+            assert_eq!(count, 0, "adaptive, {refresh:?}, moment: {moment}");
+        }
+    }
+}
