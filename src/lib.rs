@@ -82,3 +82,8 @@ pub mod prelude {
     pub use crate::section::{Annulus, Disk, Rectangle, Section};
     pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
 }
+
+/// The programs of the README, kept compiling.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+pub struct Readme;

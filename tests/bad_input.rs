@@ -255,8 +255,10 @@ fn inverted_beams_are_no_answer() {
     scene.force(beam.end(), [-1e9, 0.0, 0.0]).unwrap();
     let system = scene.assemble().unwrap();
     let mut state = system.rest();
-    let mut direct = Statics::default();
-    direct.cutbacks = 0;
+    let direct = Statics {
+        cutbacks: 0,
+        ..Statics::default()
+    };
     names(
         direct.solve(&system, &mut state),
         &["inside out", "volume ratio"],
