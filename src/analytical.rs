@@ -5,7 +5,7 @@
 use num_dual::{Dual, DualNum};
 
 use crate::error::{Error, Result, finite, positive};
-use crate::scalar::Real;
+use crate::scalar::{Field, Real};
 
 /// Young's modulus and the moments of a section about its bending axis, `y` being the distance
 /// from it: what pure bending of a section-linear beam depends on.
@@ -169,7 +169,7 @@ fn newton<R: Real>(start: R, residual: impl Fn(Dual<R>) -> Dual<R>) -> Option<R>
     let mut polish = 3;
     for _ in 0..ITERATIONS {
         let f = residual(Dual::new(x, R::one()));
-        if !(f.finite() && f.eps > R::zero()) {
+        if !(f.re.finite() && f.eps.finite() && f.eps > R::zero()) {
             return None;
         }
         let step = f.re / f.eps;
@@ -309,13 +309,13 @@ impl<R: Real> Elastica<R> {
         };
         let residual = |q: Dual<R>| {
             let (s, g) = (-(-q).exp_m1(), (-q).exp());
-            let rf = carlson_rf(complement(g));
+            let rf = carlson_rf(complement(g), |d| d.re.value());
             Dual::from_re(R::lit(2.0)) * s * rf * rf - Dual::from_re(load)
         };
         let q = newton(start, residual).ok_or(refused)?;
         let (s, g) = (-(-q).exp_m1(), (-q).exp());
         let [x, y, z] = complement(g);
-        let (rf, rd) = (carlson_rf([x, y, z]), carlson_rd([x, z, y]));
+        let (rf, rd) = (carlson_rf([x, y, z], R::value), carlson_rd([x, z, y]));
         let one = R::one();
         Ok(Self {
             deflection: s - (one + s) * s * g * rd / (R::lit(3.0) * rf),
@@ -327,8 +327,8 @@ impl<R: Real> Elastica<R> {
 }
 
 /// `g, g (2 - g), 2 - g`.
-fn complement<R: Real>(g: R) -> [R; 3] {
-    let other = R::lit(2.0) - g;
+fn complement<T: Field>(g: T) -> [T; 3] {
+    let other = T::lit(2.0) - g;
     [g, g * other, other]
 }
 
@@ -336,16 +336,17 @@ fn complement<R: Real>(g: R) -> [R; 3] {
 /// its sixth power, and of its fifth in the derivatives.
 const SPREAD: f64 = 1e-3;
 
-/// `RF(x, y, z) = 1/2 int_0^inf dt/sqrt((t + x)(t + y)(t + z))` by duplication (Carlson 1995).
-fn carlson_rf<R: Real>(mut x: [R; 3]) -> R {
-    let lit = R::lit;
+/// `RF(x, y, z) = 1/2 int_0^inf dt/sqrt((t + x)(t + y)(t + z))` by duplication (Carlson 1995);
+/// `value` tells the real part.
+fn carlson_rf<T: Field>(mut x: [T; 3], value: impl Fn(T) -> f64) -> T {
+    let lit = T::lit;
     loop {
         let mean = (x[0] + x[1] + x[2]) / lit(3.0);
-        let d = x.map(|x| R::one() - x / mean);
-        if !(d.iter().any(|d| d.value().abs() > SPREAD)) {
+        let d = x.map(|x| T::one() - x / mean);
+        if !(d.iter().any(|d| value(*d).abs() > SPREAD)) {
             let e2 = d[0] * d[1] - d[2] * d[2];
             let e3 = d[0] * d[1] * d[2];
-            let series = R::one() - e2 / lit(10.0) + e3 / lit(14.0) + e2 * e2 / lit(24.0)
+            let series = T::one() - e2 / lit(10.0) + e3 / lit(14.0) + e2 * e2 / lit(24.0)
                 - lit(3.0 / 44.0) * e2 * e3;
             return series / mean.sqrt();
         }
@@ -381,7 +382,7 @@ fn carlson_rd<R: Real>(mut x: [R; 3]) -> R {
     }
 }
 
-fn duplication<R: Real>(x: [R; 3]) -> R {
+fn duplication<T: Field>(x: [T; 3]) -> T {
     let [x, y, z] = x.map(|x| x.sqrt());
     x * y + y * z + z * x
 }

@@ -1,15 +1,19 @@
-//! Number types. A kernel takes any [`Scalar`] (a ring: no division, no order, no square
-//! root), so that one source serves floats, SIMD lanes and dual numbers; a solver takes any
-//! [`Real`], which adds order and elementary functions. [`Algebra`] says that a kernel's number
-//! type can be mixed with the parameters of a model stored in another one: lanes over `f64`,
-//! dual numbers over `f32`, and every type over itself.
+//! Number types. Shape functions take any [`Scalar`] (a ring: no division, no order, no square
+//! root); energies take any [`Field`], which adds division and elementary functions; a solver takes
+//! any [`Real`], which adds order. [`Algebra`] says that a kernel's number type contains the
+//! numbers a model is stored in, and how to differentiate with it: lanes over `f64`, dual numbers
+//! over `f32`, and every real over itself.
 
 use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use num_dual::{Dual, DualNumCopy, DualSVec, HyperDual};
+use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, HyperDual};
 use num_traits::{Float, One, Zero};
-use simba::simd::{WideF32x4, WideF32x8, WideF64x4};
+use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
+
+mod jet;
+
+pub use jet::Jet;
 
 /// What a kernel needs of a number: ring operations and constants.
 ///
@@ -53,28 +57,61 @@ pub trait Scalar:
     fn lit(x: f64) -> Self;
 }
 
-/// Numbers that contain the reals `R`: a value of `R` can be lifted into them and can scale
-/// them. Every [`Scalar`] is an algebra over itself.
+/// A [`Scalar`] with division and elementary functions: what a strain energy may use.
+///
+/// Methods take their receiver by value, so that they win over num-dual's of the same name.
+pub trait Field: Scalar + Div<Output = Self> + DivAssign {
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Reciprocal.
+    fn recip(self) -> Self;
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// Sine.
+    fn sin(self) -> Self;
+    /// Cosine.
+    fn cos(self) -> Self;
+    /// Power with a constant exponent, for positive numbers.
+    fn powf(self, exponent: f64) -> Self {
+        (self.ln() * Self::lit(exponent)).exp()
+    }
+}
+
+/// Numbers that contain the reals `R` and can be differentiated: a value of `R` can be lifted into
+/// them and can scale them, and there are dual numbers over them with the same gifts. Every
+/// [`Real`] is an algebra over itself.
+///
+/// ```
+/// use ancf::scalar::Algebra;
+///
+/// /// The slope of `k x^2`, whatever the number type of `x`.
+/// fn slope<R: Copy, T: Algebra<R>>(x: T, k: R) -> T {
+///     let x = x.variable::<1>(0);
+///     T::derivative(&(x * x).times(k), 0)
+/// }
+/// assert_eq!(slope(3.0_f64, 0.5), 3.0);
+/// ```
 #[diagnostic::on_unimplemented(
     message = "a model stored in `{R}` cannot be evaluated in `{Self}`",
     note = "`{Self}` must be `{R}` itself, a lane type of it, or a dual number over it"
 )]
-pub trait Algebra<R>: Scalar {
+pub trait Algebra<R>: Field {
+    /// Dual numbers over this type with `N` derivatives.
+    type Dual<const N: usize>: Algebra<R>;
     /// The constant `r` in this type.
     fn lift(r: R) -> Self;
     /// `r * self`.
     fn times(self, r: R) -> Self;
-}
-
-impl<T: Scalar> Algebra<T> for T {
-    #[inline(always)]
-    fn lift(r: T) -> T {
-        r
-    }
-    #[inline(always)]
-    fn times(self, r: T) -> T {
-        self * r
-    }
+    /// The dual number with this value and no derivatives.
+    fn constant<const N: usize>(self) -> Self::Dual<N>;
+    /// The dual number with this value and the unit derivative in direction `k < N`.
+    fn variable<const N: usize>(self, k: usize) -> Self::Dual<N>;
+    /// The value of a dual number.
+    fn real_part<const N: usize>(dual: &Self::Dual<N>) -> Self;
+    /// Derivative `k` of a dual number.
+    fn derivative<const N: usize>(dual: &Self::Dual<N>, k: usize) -> Self;
 }
 
 /// What a solver needs of a number: a [`Scalar`] with order, division, elementary functions and
@@ -84,7 +121,7 @@ impl<T: Scalar> Algebra<T> for T {
     message = "`{Self}` is not a real number type of the solvers",
     note = "solvers run in f32, f64 and in num-dual's Dual and DualSVec over them"
 )]
-pub trait Real: Scalar + DualNumCopy {
+pub trait Real: Algebra<Self> + DualNumCopy {
     /// Distance from 1 to the next number of the real part's type.
     const EPSILON: f64;
     /// The real part, in double precision: for messages, plots and decisions that need no more.
@@ -101,6 +138,81 @@ pub trait Real: Scalar + DualNumCopy {
     fn smaller(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
+}
+
+/// The elementary functions of num-dual's trait, under [`Field`].
+macro_rules! field {
+    ([$($bound:tt)*] $t:ty) => {
+        impl<$($bound)*> Field for $t {
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                DualNum::sqrt(&self)
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                DualNum::recip(&self)
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                DualNum::exp(&self)
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                DualNum::ln(&self)
+            }
+            #[inline(always)]
+            fn sin(self) -> Self {
+                DualNum::sin(&self)
+            }
+            #[inline(always)]
+            fn cos(self) -> Self {
+                DualNum::cos(&self)
+            }
+        }
+    };
+}
+
+/// Differentiation by num-dual's vector dual numbers, inside an `impl Algebra`.
+macro_rules! by_num_dual {
+    () => {
+        type Dual<const M: usize> = DualSVec<Self, M>;
+        #[inline(always)]
+        fn constant<const M: usize>(self) -> DualSVec<Self, M> {
+            DualSVec::from_re(self)
+        }
+        #[inline(always)]
+        fn variable<const M: usize>(self, k: usize) -> DualSVec<Self, M> {
+            DualSVec::from_re(self).derivative(k)
+        }
+        #[inline(always)]
+        fn real_part<const M: usize>(dual: &DualSVec<Self, M>) -> Self {
+            dual.re
+        }
+        #[inline(always)]
+        fn derivative<const M: usize>(dual: &DualSVec<Self, M>, k: usize) -> Self {
+            match &dual.eps {
+                Derivative(Some(eps)) => eps[k],
+                Derivative(None) => Self::zero(),
+            }
+        }
+    };
+}
+
+/// A real number type is an algebra over itself.
+macro_rules! over_itself {
+    ([$($bound:tt)*] $t:ty) => {
+        impl<$($bound)*> Algebra<$t> for $t {
+            by_num_dual!();
+            #[inline(always)]
+            fn lift(r: $t) -> Self {
+                r
+            }
+            #[inline(always)]
+            fn times(self, r: $t) -> Self {
+                self * r
+            }
+        }
+    };
 }
 
 macro_rules! float {
@@ -122,6 +234,11 @@ macro_rules! float {
                 Float::is_finite(self)
             }
         }
+        field!([] $t);
+        over_itself!([] $t);
+        over_itself!([] Dual<$t>);
+        over_itself!([] Dual<Dual<$t>>);
+        over_itself!([const N: usize] DualSVec<$t, N>);
     )*};
 }
 float!(f32, f64);
@@ -134,7 +251,35 @@ macro_rules! lanes {
                 Self::lift(x as $r)
             }
         }
+        impl Field for $t {
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.simd_sqrt()
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                Self::one() / self
+            }
+            #[inline(always)]
+            fn exp(self) -> Self {
+                self.simd_exp()
+            }
+            #[inline(always)]
+            fn ln(self) -> Self {
+                self.simd_ln()
+            }
+            #[inline(always)]
+            fn sin(self) -> Self {
+                self.simd_sin()
+            }
+            #[inline(always)]
+            fn cos(self) -> Self {
+                self.simd_cos()
+            }
+        }
         impl Algebra<$r> for $t {
+            // num-dual's numbers need an order, which lanes do not have.
+            type Dual<const M: usize> = Jet<Self, M>;
             #[inline(always)]
             fn lift(r: $r) -> Self {
                 $t(r.into())
@@ -143,6 +288,7 @@ macro_rules! lanes {
             fn times(self, r: $r) -> Self {
                 self * Self::lift(r)
             }
+            jet::by_jet!();
         }
     )*};
 }
@@ -154,17 +300,22 @@ impl<T: Scalar + DualNumCopy> Scalar for Dual<T> {
         Self::from_re(T::lit(x))
     }
 }
-impl<T: Scalar + DualNumCopy> Algebra<T> for Dual<T> {
+field!([T: Scalar + DualNumCopy] Dual<T>);
+impl<R: Copy, T: Algebra<R> + DualNumCopy> Algebra<R> for Dual<T> {
+    by_num_dual!();
     #[inline]
-    fn lift(r: T) -> Self {
-        Self::from_re(r)
+    fn lift(r: R) -> Self {
+        Self::from_re(T::lift(r))
     }
     #[inline]
-    fn times(self, r: T) -> Self {
-        Self::new(self.re * r, self.eps * r)
+    fn times(self, r: R) -> Self {
+        Self::new(self.re.times(r), self.eps.times(r))
     }
 }
-impl<T: Real> Real for Dual<T> {
+impl<T: Real> Real for Dual<T>
+where
+    Self: Algebra<Self>,
+{
     const EPSILON: f64 = T::EPSILON;
     #[inline]
     fn value(self) -> f64 {
@@ -182,17 +333,23 @@ impl<T: Scalar + DualNumCopy, const N: usize> Scalar for DualSVec<T, N> {
         Self::from_re(T::lit(x))
     }
 }
-impl<T: Scalar + DualNumCopy, const N: usize> Algebra<T> for DualSVec<T, N> {
+field!([T: Scalar + DualNumCopy, const N: usize] DualSVec<T, N>);
+impl<R: Copy, T: Algebra<R> + DualNumCopy, const N: usize> Algebra<R> for DualSVec<T, N> {
+    by_num_dual!();
     #[inline]
-    fn lift(r: T) -> Self {
-        Self::from_re(r)
+    fn lift(r: R) -> Self {
+        Self::from_re(T::lift(r))
     }
     #[inline]
-    fn times(self, r: T) -> Self {
-        Self::new(self.re * r, self.eps * r)
+    fn times(self, r: R) -> Self {
+        let eps = self.eps.0.map(|eps| eps.map(|d| d.times(r)));
+        Self::new(self.re.times(r), Derivative(eps))
     }
 }
-impl<T: Real, const N: usize> Real for DualSVec<T, N> {
+impl<T: Real, const N: usize> Real for DualSVec<T, N>
+where
+    Self: Algebra<Self>,
+{
     const EPSILON: f64 = T::EPSILON;
     #[inline]
     fn value(self) -> f64 {
@@ -210,14 +367,18 @@ impl<T: Scalar + DualNumCopy> Scalar for HyperDual<T> {
         Self::from_re(T::lit(x))
     }
 }
-impl<T: Scalar + DualNumCopy> Algebra<T> for HyperDual<T> {
+field!([T: Scalar + DualNumCopy] HyperDual<T>);
+impl<R: Copy, T: Algebra<R> + DualNumCopy> Algebra<R> for HyperDual<T> {
+    by_num_dual!();
     #[inline]
-    fn lift(r: T) -> Self {
-        Self::from_re(r)
+    fn lift(r: R) -> Self {
+        Self::from_re(T::lift(r))
     }
     #[inline]
-    fn times(self, r: T) -> Self {
-        Self::new(self.re * r, self.eps1 * r, self.eps2 * r, self.eps1eps2 * r)
+    fn times(self, r: R) -> Self {
+        let parts = [self.re, self.eps1, self.eps2, self.eps1eps2];
+        let [re, eps1, eps2, both] = parts.map(|part| part.times(r));
+        Self::new(re, eps1, eps2, both)
     }
 }
 
@@ -225,7 +386,7 @@ impl<T: Scalar + DualNumCopy> Algebra<T> for HyperDual<T> {
 mod tests {
     use super::*;
 
-    fn cube<R: Scalar, T: Algebra<R>>(x: T, k: R) -> T {
+    fn cube<R: Copy, T: Algebra<R>>(x: T, k: R) -> T {
         (x * x * x).times(k)
     }
 
@@ -235,8 +396,8 @@ mod tests {
         let lanes = cube(WideF64x4::from([1.0, 2.0, 3.0, 4.0]), 2.0_f64);
         assert_eq!(<[f64; 4]>::from(lanes.0), [2.0, 16.0, 54.0, 128.0]);
         let nested = Dual::new(Dual::new(2.0_f64, 1.0), Dual::from_re(1.0));
-        let second = cube(nested, Dual::from_re(1.0)).eps.eps;
-        assert_eq!(second, 12.0);
+        assert_eq!(cube(nested, Dual::from_re(1.0)).eps.eps, 12.0);
+        assert_eq!(cube(nested, 1.0_f64).eps.eps, 12.0);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! of [`Layer`]s: which part of the material is sampled with which rule.
 
 use super::rank::check_rank;
-use super::station::ContinuumKernel;
+use super::law::ContinuumSection;
+use super::sampled::{Sample, SampledKernel, section_linear};
 use super::{Formulation, Reference, section_points};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -111,6 +112,10 @@ impl<M: PoissonSplit> Continuum<M> {
     }
 }
 
+/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`.
+pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> =
+    SampledKernel<R, ContinuumSection<R, M, D>, D, S, K>;
+
 impl<M> Continuum<M> {
     fn unchecked<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
@@ -131,15 +136,22 @@ impl<M> Continuum<M> {
                 remedy: "give at least one layer, or use Continuum::full",
             });
         }
-        let mut kernel = ContinuumKernel::new(reference);
+        if !section_linear(element, reference.length) {
+            return Err(Error::Unsupported {
+                what: format!("a continuum of {element:?}, whose shape functions are not linear across the section"),
+                remedy: "use an element whose position is linear in the cross coordinates",
+            });
+        }
+        let samples = std::array::from_fn(|k| match k {
+            k if k < D => Sample::First(k),
+            k => Sample::Second(0, k - D + 1),
+        });
+        let mut kernel = SampledKernel::new();
         for layer in &self.layers {
-            kernel.add_part(
-                element,
-                reference.length,
-                layer.material.clone(),
-                &gauss_legendre(layer.axial)?,
-                section_points(section, layer.section_degree)?,
-            )?;
+            let points = section_points(section, layer.section_degree)?;
+            let law = ContinuumSection::new(layer.material.clone(), points);
+            let axial = gauss_legendre(layer.axial)?;
+            kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
         Ok(kernel)
     }

@@ -5,13 +5,15 @@
 
 mod continuum;
 mod inertia;
+mod law;
 mod rank;
-mod station;
+mod sampled;
 
-pub use continuum::{Continuum, Layer};
+pub use continuum::{Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
-pub use station::ContinuumKernel;
-pub(crate) use station::reference_vectors;
+pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
+pub(crate) use sampled::reference_vectors;
+pub use sampled::{Sample, SampledKernel};
 
 use std::fmt::Debug;
 
@@ -38,6 +40,8 @@ pub struct Reference<R, const D: usize> {
 
 /// Energy, force and tangent of one element with nodal displacements `u` (current minus reference
 /// nodal vectors). Force and tangent are *added* to what they are given.
+///
+/// A kernel given by its energy alone gets both by dual numbers, one nodal vector at a time.
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + 'static
 {
@@ -45,7 +49,14 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T;
 
     /// Adds the elastic force `Q_s = dU/de` (eq. 14).
-    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]);
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        for i in 0..S {
+            let energy = self.energy(&law::varied(u, i));
+            for c in 0..D {
+                q[i][c] += T::derivative::<D>(&energy, c);
+            }
+        }
+    }
 
     /// Adds the elastic force and the tangent stiffness `dQ_s/de`.
     fn tangent<T: Algebra<R>>(
@@ -53,7 +64,20 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
         u: &[[T; D]; S],
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
-    );
+    ) {
+        for j in 0..S {
+            let mut dual = [[T::zero().constant::<D>(); D]; S];
+            self.force(&law::varied(u, j), &mut dual);
+            for c in 0..D {
+                q[j][c] += T::real_part::<D>(&dual[j][c]);
+                for i in 0..S {
+                    for d in 0..D {
+                        k[i][c][j][d] += T::derivative::<D>(&dual[i][c], d);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// What gives an element of family `E` its elasticity.

@@ -4,8 +4,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::station::reference_vectors;
-use super::{ElementKernel, Reference};
+use super::{ElementKernel, Reference, reference_vectors};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::scalar::Real;

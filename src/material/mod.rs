@@ -18,19 +18,33 @@ pub type Tensor<T, const D: usize> = [[T; D]; D];
 pub type Blocks<T, const D: usize> = [[Tensor<T, D>; D]; D];
 
 /// A hyperelastic law over the Green-Lagrange strain `E` in `D` dimensions, with parameters in
-/// `R`.
+/// `R`. Its strain energy density is enough: stress and elasticity follow by dual numbers. A law
+/// that knows them in closed form overrides them, which is faster.
 ///
 /// All tensors are `D x D` component arrays in the material frame (axis first). Energies are
 /// densities per reference volume (J/m^3), stresses second Piola-Kirchhoff (Pa).
 pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'static {
-    /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012).
+    /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012), as a function of all
+    /// `D x D` components of the symmetric strain.
     fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T;
 
     /// Second Piola-Kirchhoff stress `S = d psi / dE` (Pa) (eq. 11).
-    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D>;
+    #[inline(always)]
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        match D {
+            2 => derived_stress::<R, T, Self, D, 3>(self, strain),
+            _ => derived_stress::<R, T, Self, D, 6>(self, strain),
+        }
+    }
 
     /// Elasticity `C[a][e][b][f] = dS[a][e] / dE[b][f]` (Pa), with both minor symmetries.
-    fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D>;
+    #[inline(always)]
+    fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D> {
+        match D {
+            2 => derived_elasticity::<R, T, Self, D, 3>(self, strain),
+            _ => derived_elasticity::<R, T, Self, D, 6>(self, strain),
+        }
+    }
 
     /// The constitutive part of the tangent of the first Piola-Kirchhoff stress,
     /// `A[a][b] = sum_ef C[a][e][b][f] c_e c_f^T` with `c` the columns of the deformation
@@ -54,6 +68,75 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         }
         blocks
     }
+}
+
+/// The pairs of axes of a symmetric tensor, each once.
+fn pairs<const D: usize>() -> impl Iterator<Item = (usize, (usize, usize))> {
+    let pairs = (0..D).flat_map(|a| (a..D).map(move |b| (a, b)));
+    pairs.enumerate()
+}
+
+/// The strain with one derivative for each of its `N = D (D + 1) / 2` independent components.
+#[inline(always)]
+fn varied<R, T: Algebra<R>, const D: usize, const N: usize>(
+    strain: &Tensor<T, D>,
+) -> Tensor<T::Dual<N>, D> {
+    let mut dual: Tensor<T::Dual<N>, D> =
+        std::array::from_fn(|a| std::array::from_fn(|b| strain[a][b].constant()));
+    for (k, (a, b)) in pairs::<D>() {
+        dual[a][b] = strain[a][b].variable(k);
+        dual[b][a] = strain[b][a].variable(k);
+    }
+    dual
+}
+
+/// What one derivative of a symmetric pair is worth for each of its two components.
+#[inline(always)]
+fn share<T: Algebra<R>, R: Real>(a: usize, b: usize, derivative: T) -> T {
+    if a == b { derivative } else { derivative.times(R::lit(0.5)) }
+}
+
+#[inline(always)]
+fn derived_stress<R, T, M, const D: usize, const N: usize>(
+    material: &M,
+    strain: &Tensor<T, D>,
+) -> Tensor<T, D>
+where
+    R: Real,
+    T: Algebra<R>,
+    M: Material<R, D>,
+{
+    let energy = material.energy(&varied::<R, T, D, N>(strain));
+    let mut stress = [[T::zero(); D]; D];
+    for (k, (a, b)) in pairs::<D>() {
+        stress[a][b] = share(a, b, T::derivative::<N>(&energy, k));
+        stress[b][a] = stress[a][b];
+    }
+    stress
+}
+
+#[inline(always)]
+fn derived_elasticity<R, T, M, const D: usize, const N: usize>(
+    material: &M,
+    strain: &Tensor<T, D>,
+) -> Blocks<T, D>
+where
+    R: Real,
+    T: Algebra<R>,
+    M: Material<R, D>,
+{
+    let stress = material.stress(&varied::<R, T, D, N>(strain));
+    let mut elasticity = [[[[T::zero(); D]; D]; D]; D];
+    for (k, (b, f)) in pairs::<D>() {
+        for a in 0..D {
+            for e in 0..D {
+                let value = share(b, f, T::derivative::<N>(&stress[a][e], k));
+                elasticity[a][e][b][f] = value;
+                elasticity[a][e][f][b] = value;
+            }
+        }
+    }
+    elasticity
 }
 
 /// A material whose energy splits into a part free of Poisson coupling and the rest, so that the

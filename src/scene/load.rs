@@ -8,9 +8,9 @@ use std::sync::Arc;
 use num_dual::Dual;
 
 use crate::error::{Error, Result, finite};
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, Field, Real};
 use crate::solver::band::BandMatrix;
-use crate::tensor::cross;
+use crate::tensor::{cross, dot};
 
 pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
 
@@ -58,14 +58,14 @@ impl MomentLaw {
     }
 
     /// Generalised forces on the slopes `p`, embedded in space.
-    fn forces<R: Real, T: Real + Algebra<R>>(
+    fn forces<R: Real, T: Algebra<R>>(
         self,
         moment: &[R; 3],
         frame: &[[R; 3]; 3],
         p: &[[T; 3]; 3],
     ) -> [[T; 3]; 3] {
         let m = moment.map(T::lift);
-        let square = |v: &[T; 3]| v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let square = |v: &[T; 3]| dot(v, v);
         let scaled = |v: [T; 3], k: T| v.map(|c| c * k);
         let mut q = [[T::zero(); 3]; 3];
         match self {
@@ -94,7 +94,9 @@ impl MomentLaw {
                 let d = polar_rotation(p);
                 // V = F R^T in components: sum over columns.
                 let v: [[T; 3]; 3] = std::array::from_fn(|i| {
-                    std::array::from_fn(|j| (0..3).map(|k| p[k][i] * d[k][j]).sum())
+                    std::array::from_fn(|j| {
+                        p[0][i] * d[0][j] + p[1][i] * d[1][j] + p[2][i] * d[2][j]
+                    })
                 });
                 let trace = v[0][0] + v[1][1] + v[2][2];
                 let a: [[T; 3]; 3] = std::array::from_fn(|i| {
@@ -112,7 +114,7 @@ impl MomentLaw {
 
 /// Columns of the rotation closest to the gradient with columns `p`, by Higham's iteration
 /// `X <- (X + X^-T) / 2`.
-fn polar_rotation<T: Real>(p: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+fn polar_rotation<T: Field>(p: &[[T; 3]; 3]) -> [[T; 3]; 3] {
     let half = T::lit(0.5);
     let mut x = *p;
     // Quadratic convergence: ten rounds reach rounding from any stretch between 1/10 and 10,
@@ -123,8 +125,7 @@ fn polar_rotation<T: Real>(p: &[[T; 3]; 3]) -> [[T; 3]; 3] {
             cross(&x[2], &x[0]),
             cross(&x[0], &x[1]),
         ];
-        let det: T = (0..3).map(|c| x[0][c] * cofactor[0][c]).sum();
-        let inverse = det.recip();
+        let inverse = dot(&x[0], &cofactor[0]).recip();
         for k in 0..3 {
             for c in 0..3 {
                 x[k][c] = half * (x[k][c] + cofactor[k][c] * inverse);
@@ -135,14 +136,17 @@ fn polar_rotation<T: Real>(p: &[[T; 3]; 3]) -> [[T; 3]; 3] {
 }
 
 /// Solves a symmetric 3 x 3 system by cofactors.
-fn solve<T: Real>(a: &[[T; 3]; 3], b: &[T; 3]) -> [T; 3] {
+fn solve<T: Field>(a: &[[T; 3]; 3], b: &[T; 3]) -> [T; 3] {
     let cofactor = [
         cross(&a[1], &a[2]),
         cross(&a[2], &a[0]),
         cross(&a[0], &a[1]),
     ];
-    let det: T = (0..3).map(|c| a[0][c] * cofactor[0][c]).sum();
-    std::array::from_fn(|c| (0..3).map(|k| cofactor[k][c] * b[k]).sum::<T>() / det)
+    let inverse = dot(&a[0], &cofactor[0]).recip();
+    std::array::from_fn(|c| {
+        let sum = cofactor[0][c] * b[0] + cofactor[1][c] * b[1] + cofactor[2][c] * b[2];
+        sum * inverse
+    })
 }
 
 /// A moment vector (N m) in global components and the law by which it acts. In the plane only the

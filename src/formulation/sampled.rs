@@ -1,0 +1,284 @@
+//! The kernel of every formulation that samples derivatives of the position at stations of the
+//! axis: each station turns nodal vectors into `K` sampled vectors by a constant sparse operator,
+//! a [`SectionLaw`] turns those into energy per unit length, and the derivatives come back by the
+//! transpose. Shape functions enter once per station, not once per section point, which is the
+//! paper's split of the volume integral (eq. 18) carried to its end.
+
+use num_dual::HyperDual;
+
+use super::law::{SectionLaw, SectionStiffness};
+use super::{ElementKernel, Reference, Tangent};
+use crate::element::{Element, NodalVector};
+use crate::quadrature::Cubature;
+use crate::scalar::{Algebra, Real};
+use crate::tensor::{add_scaled, add_times, times};
+
+/// A derivative of the position field on the axis, by reference coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sample {
+    /// `dr/dX_a`.
+    First(usize),
+    /// `d^2 r/dX_a dX_b`.
+    Second(usize, usize),
+}
+
+/// A sparse row of a station's operator: how one sampled vector is combined from nodal vectors.
+#[derive(Debug, Clone)]
+struct Row<R, const S: usize> {
+    nodal: [usize; S],
+    value: [R; S],
+    count: usize,
+}
+
+impl<R: Real, const S: usize> Row<R, S> {
+    fn new(dense: [R; S]) -> Self {
+        let mut row = Self {
+            nodal: [0; S],
+            value: [R::zero(); S],
+            count: 0,
+        };
+        for (i, value) in dense.into_iter().enumerate() {
+            if !value.is_zero() {
+                row.nodal[row.count] = i;
+                row.value[row.count] = value;
+                row.count += 1;
+            }
+        }
+        row
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = (usize, R)> + '_ {
+        let entries = self.nodal.iter().zip(&self.value).take(self.count);
+        // The remainder is the identity; it lets the optimiser drop the bounds checks.
+        entries.map(|(&i, &v)| (i % S, v))
+    }
+}
+
+#[derive(Debug, Clone)]
+struct Station<R, const D: usize, const S: usize, const K: usize> {
+    weight: R,
+    rows: [Row<R, S>; K],
+    /// The sampled vectors in the reference state.
+    reference: [[R; D]; K],
+}
+
+impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K> {
+    #[inline(always)]
+    fn sample<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> [[T; D]; K] {
+        let mut h = [[T::zero(); D]; K];
+        for k in 0..K {
+            for (i, value) in self.rows[k].iter() {
+                add_times(&mut h[k], value, &u[i]);
+            }
+        }
+        h
+    }
+
+    #[inline(always)]
+    fn scatter_force<T: Algebra<R>>(&self, n: &[[T; D]; K], q: &mut [[T; D]; S]) {
+        for k in 0..K {
+            let n = times(self.weight, &n[k]);
+            for (i, value) in self.rows[k].iter() {
+                add_times(&mut q[i], value, &n);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn scatter_stiffness<T: Algebra<R>>(
+        &self,
+        stiffness: &SectionStiffness<T, D, K>,
+        tangent: &mut Tangent<T, D, S>,
+    ) {
+        for k in 0..K {
+            for l in k..K {
+                let block: [[T; D]; D] =
+                    std::array::from_fn(|c| times(self.weight, &stiffness[k][l][c]));
+                for (i, left) in self.rows[k].iter() {
+                    for (j, right) in self.rows[l].iter() {
+                        let factor = left * right;
+                        for c in 0..D {
+                            for d in 0..D {
+                                let value = block[c][d].times(factor);
+                                tangent[i][c][j][d] += value;
+                                if k != l {
+                                    tangent[j][d][i][c] += value;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Kernel of an element whose energy is a sum of laws, each sampled at stations of its own.
+#[derive(Debug, Clone)]
+pub struct SampledKernel<R, L, const D: usize, const S: usize, const K: usize> {
+    parts: Vec<(L, Vec<Station<R, D, S, K>>)>,
+}
+
+impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R, L, D, S, K> {
+    /// A kernel without energy; give it parts.
+    pub fn new() -> Self {
+        Self { parts: Vec::new() }
+    }
+
+    /// Adds a law sampled by `samples` at the points of `axial`, a rule on [0, 1] along the
+    /// element.
+    #[must_use]
+    pub fn with_part<E: Element<D, S>>(
+        mut self,
+        element: &E,
+        reference: &Reference<R, D>,
+        law: L,
+        samples: [Sample; K],
+        axial: &Cubature<R, 1>,
+    ) -> Self {
+        let nodal = reference_vectors(element, reference, &[R::zero(); D]);
+        let stations = axial.iter().map(|([xi], w)| {
+            let rows = operator(element, reference.length, xi, samples);
+            let vector = |row: &[R; S]| {
+                let mut g = [R::zero(); D];
+                for i in 0..S {
+                    add_scaled(&mut g, row[i], &nodal[i]);
+                }
+                g
+            };
+            Station {
+                weight: w * reference.length,
+                reference: std::array::from_fn(|k| vector(&rows[k])),
+                rows: rows.map(Row::new),
+            }
+        });
+        self.parts.push((law, stations.collect()));
+        self
+    }
+}
+
+impl<R: Real, L, const D: usize, const S: usize, const K: usize> Default
+    for SampledKernel<R, L, D, S, K>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<R, L, const D: usize, const S: usize, const K: usize> ElementKernel<R, D, S>
+    for SampledKernel<R, L, D, S, K>
+where
+    R: Real,
+    L: SectionLaw<R, D, K>,
+{
+    #[inline]
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        let mut energy = T::zero();
+        for (law, stations) in &self.parts {
+            for station in stations {
+                let density = law.energy(&station.reference, &station.sample(u));
+                energy += density.times(station.weight);
+            }
+        }
+        energy
+    }
+
+    #[inline]
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        for (law, stations) in &self.parts {
+            for station in stations {
+                let n = law.resultants(&station.reference, &station.sample(u));
+                station.scatter_force(&n, q);
+            }
+        }
+    }
+
+    #[inline]
+    fn tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        for (law, stations) in &self.parts {
+            for station in stations {
+                let (n, stiffness) = law.stiffness(&station.reference, &station.sample(u));
+                station.scatter_force(&n, q);
+                station.scatter_stiffness(&stiffness, k);
+            }
+        }
+    }
+}
+
+/// Second derivatives of the shape functions at a natural point, by the natural coordinates `a`
+/// and `b`; the first derivatives come along.
+fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    element: &E,
+    length: R,
+    point: [R; D],
+    (a, b): (usize, usize),
+) -> [HyperDual<R>; S] {
+    let mut x = point.map(HyperDual::from_re);
+    x[a] = x[a].derivative1();
+    x[b] = x[b].derivative2();
+    element.shape(HyperDual::from_re(length), x)
+}
+
+/// The operator of a station on the axis at the natural coordinate `xi`.
+fn operator<R: Real, E: Element<D, S>, const D: usize, const S: usize, const K: usize>(
+    element: &E,
+    length: R,
+    xi: R,
+    samples: [Sample; K],
+) -> [[R; S]; K] {
+    let mut axis = [R::zero(); D];
+    axis[0] = xi;
+    let per_length = R::one() / length;
+    samples.map(|sample| match sample {
+        Sample::First(a) => {
+            let s = derivatives(element, length, axis, (a, a));
+            s.map(|s| s.eps1 * per_length)
+        }
+        Sample::Second(a, b) => {
+            let s = derivatives(element, length, axis, (a, b));
+            s.map(|s| s.eps1eps2 * per_length * per_length)
+        }
+    })
+}
+
+/// Whether the shape functions are linear in the cross coordinates.
+pub(super) fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    element: &E,
+    length: R,
+) -> bool {
+    let small = 1e3 * R::EPSILON * length.value();
+    let curved = |s: HyperDual<R>| s.eps1eps2.value().abs() > small;
+    // Two points off the axis tell any polynomial but one made to vanish there.
+    [0.3, 0.9].into_iter().all(|xi| {
+        let mut point = [R::lit(0.25); D];
+        point[0] = R::lit(xi);
+        point[D - 1] = R::lit(0.5);
+        (1..D).all(|a| {
+            (a..D).all(|b| !derivatives(element, length, point, (a, b)).into_iter().any(curved))
+        })
+    })
+}
+
+/// Reference values of the nodal vectors of an element that starts at `origin`.
+pub(crate) fn reference_vectors<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    _element: &E,
+    reference: &Reference<R, D>,
+    origin: &[R; D],
+) -> [[R; D]; S] {
+    let per_node = E::VECTORS.len();
+    std::array::from_fn(|i| match E::VECTORS[i % per_node] {
+        NodalVector::Slope(a) => reference.frame[a],
+        NodalVector::Position => {
+            let along = R::lit((i / per_node) as f64) / R::lit((E::NODES - 1) as f64);
+            let mut r = *origin;
+            add_scaled(&mut r, along * reference.length, &reference.frame[0]);
+            r
+        }
+    })
+}

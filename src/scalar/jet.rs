@@ -1,0 +1,188 @@
+//! First-order dual numbers over any [`Field`], for those that num-dual cannot take: lanes have no
+//! order, which num-dual asks for.
+
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use num_traits::{One, Zero};
+
+use super::{Algebra, Field, Scalar};
+
+/// A value with `N` derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jet<T, const N: usize> {
+    /// The value.
+    pub re: T,
+    /// Its derivatives.
+    pub eps: [T; N],
+}
+
+/// Differentiation by [`Jet`], inside an `impl Algebra`.
+macro_rules! by_jet {
+    () => {
+        #[inline(always)]
+        fn constant<const M: usize>(self) -> Jet<Self, M> {
+            Jet {
+                re: self,
+                eps: [Self::zero(); M],
+            }
+        }
+        #[inline(always)]
+        fn variable<const M: usize>(self, k: usize) -> Jet<Self, M> {
+            let mut jet: Jet<Self, M> = self.constant();
+            jet.eps[k] = Self::one();
+            jet
+        }
+        #[inline(always)]
+        fn real_part<const M: usize>(dual: &Jet<Self, M>) -> Self {
+            dual.re
+        }
+        #[inline(always)]
+        fn derivative<const M: usize>(dual: &Jet<Self, M>, k: usize) -> Self {
+            dual.eps[k]
+        }
+    };
+}
+pub(super) use by_jet;
+
+impl<T: Field, const N: usize> Jet<T, N> {
+    #[inline(always)]
+    fn constant(re: T) -> Self {
+        Self {
+            re,
+            eps: [T::zero(); N],
+        }
+    }
+
+    /// The chain rule: a function's value and its derivative at the real part.
+    #[inline(always)]
+    fn chain(self, value: T, slope: T) -> Self {
+        Self {
+            re: value,
+            eps: self.eps.map(|d| d * slope),
+        }
+    }
+
+    #[inline(always)]
+    fn combine(self, other: Self, re: T, f: impl Fn(T, T) -> T) -> Self {
+        Self {
+            re,
+            eps: std::array::from_fn(|k| f(self.eps[k], other.eps[k])),
+        }
+    }
+}
+
+impl<T: Field, const N: usize> Add for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.combine(other, self.re + other.re, |a, b| a + b)
+    }
+}
+impl<T: Field, const N: usize> Sub for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.combine(other, self.re - other.re, |a, b| a - b)
+    }
+}
+impl<T: Field, const N: usize> Mul for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let product = |a, b| a * other.re + b * self.re;
+        self.combine(other, self.re * other.re, product)
+    }
+}
+impl<T: Field, const N: usize> Div for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let inverse = other.re.recip();
+        let ratio = self.re * inverse;
+        self.combine(other, ratio, |a, b| (a - b * ratio) * inverse)
+    }
+}
+impl<T: Field, const N: usize> Neg for Jet<T, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            re: -self.re,
+            eps: self.eps.map(|d| -d),
+        }
+    }
+}
+macro_rules! assign {
+    ($($trait:ident $method:ident $op:tt),*) => {$(
+        impl<T: Field, const N: usize> $trait for Jet<T, N> {
+            #[inline(always)]
+            fn $method(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )*};
+}
+assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
+
+impl<T: Field, const N: usize> Zero for Jet<T, N> {
+    fn zero() -> Self {
+        Self::constant(T::zero())
+    }
+    fn is_zero(&self) -> bool {
+        self.re.is_zero() && self.eps.iter().all(Zero::is_zero)
+    }
+}
+impl<T: Field, const N: usize> One for Jet<T, N> {
+    fn one() -> Self {
+        Self::constant(T::one())
+    }
+}
+impl<T: Field, const N: usize> Scalar for Jet<T, N> {
+    fn lit(x: f64) -> Self {
+        Self::constant(T::lit(x))
+    }
+}
+impl<T: Field, const N: usize> Field for Jet<T, N> {
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, T::lit(0.5) / root)
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let inverse = self.re.recip();
+        self.chain(inverse, -inverse * inverse)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let value = self.re.exp();
+        self.chain(value, value)
+    }
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.chain(self.re.sin(), self.re.cos())
+    }
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.chain(self.re.cos(), -self.re.sin())
+    }
+}
+impl<R: Copy, T: Algebra<R>, const N: usize> Algebra<R> for Jet<T, N> {
+    type Dual<const M: usize> = Jet<Self, M>;
+    #[inline(always)]
+    fn lift(r: R) -> Self {
+        Self::constant(T::lift(r))
+    }
+    #[inline(always)]
+    fn times(self, r: R) -> Self {
+        Self {
+            re: self.re.times(r),
+            eps: self.eps.map(|d| d.times(r)),
+        }
+    }
+    by_jet!();
+}
