@@ -80,6 +80,14 @@ pub enum Error {
         /// Number of nodes of that beam.
         nodes: usize,
     },
+    /// A coordinate that does not exist.
+    #[error("there is no coordinate {index}: the structure has {size}, counted from 0; ask System::coordinate for the index of a nodal vector")]
+    NoSuchCoordinate {
+        /// The index given.
+        index: usize,
+        /// Number of coordinates.
+        size: usize,
+    },
     /// A load's course in time gave a value that is not finite.
     #[error(
         "the amplitude of a load is {value} at t = {time} s, but must be finite: check the function given; the state before this time is kept"

@@ -75,9 +75,12 @@ pub mod prelude {
     pub use crate::element::{Element, FullyParameterised, NodalVector};
     pub use crate::error::{Error, Result};
     pub use crate::formulation::{Continuum, Formulation, Layer};
-    pub use crate::integrator::{Adaptive, Estimator, Integration, Newmark, Step, Stepping};
+    pub use crate::integrator::{
+        Adaptive, Estimator, Integration, Method, Newmark, RunReport, Scheme, Step, Stepping,
+    };
+    pub use crate::quadrature::Cubature;
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
-    pub use crate::scalar::{Algebra, Real, Scalar};
+    pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
     pub use crate::section::{Annulus, Disk, Rectangle, Section};
     pub use crate::solver::{Newton, Refresh, State, Statics, Structure};

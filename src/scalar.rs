@@ -124,6 +124,8 @@ pub trait Algebra<R>: Field {
 pub trait Real: Algebra<Self> + DualNumCopy {
     /// Distance from 1 to the next number of the real part's type.
     const EPSILON: f64;
+    /// Order of the derivatives the type carries: 0 for plain floats.
+    const ORDER: usize;
     /// The real part, in double precision: for messages, plots and decisions that need no more.
     fn value(self) -> f64;
     /// Whether the value (and every derivative it carries) is finite.
@@ -225,6 +227,7 @@ macro_rules! float {
         }
         impl Real for $t {
             const EPSILON: f64 = <$t>::EPSILON as f64;
+            const ORDER: usize = 0;
             #[inline(always)]
             fn value(self) -> f64 {
                 self as f64
@@ -317,6 +320,7 @@ where
     Self: Algebra<Self>,
 {
     const EPSILON: f64 = T::EPSILON;
+    const ORDER: usize = T::ORDER + 1;
     #[inline]
     fn value(self) -> f64 {
         self.re.value()
@@ -351,6 +355,7 @@ where
     Self: Algebra<Self>,
 {
     const EPSILON: f64 = T::EPSILON;
+    const ORDER: usize = T::ORDER + 1;
     #[inline]
     fn value(self) -> f64 {
         self.re.value()

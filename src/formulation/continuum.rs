@@ -185,7 +185,7 @@ macro_rules! dimension {
                 reference: &Reference<R, $d>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
-                check_rank(element, section, |trial, reference| match trial {
+                check_rank(element, section, |trial, reference, section| match trial {
                     None => self.unchecked::<R, E, $d, S, $k>(element, reference, section),
                     Some((axial, degree)) => {
                         let trial = self.resampled(axial, degree);

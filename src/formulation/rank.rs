@@ -6,14 +6,15 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::{ElementKernel, Reference, reference_vectors};
 use crate::element::{Element, NodalVector};
-use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::error::{Error, Result, positive};
+use crate::quadrature::Cubature;
+use crate::scalar::{Field, Real};
 use crate::section::Section;
 
 /// Relative size below which an eigenvalue of the scaled stiffness counts as zero.
-const ZERO: f64 = 1e-9;
+const ZERO: f64 = 1e-12;
 /// The same in single precision.
-const ZERO_SINGLE: f64 = 1e-4;
+const ZERO_SINGLE: f64 = 1e-5;
 /// Orders tried when looking for sufficient ones.
 const TRIALS: usize = 8;
 
@@ -23,17 +24,16 @@ const TRIALS: usize = 8;
 pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
     element: &E,
     section: &dyn Section<R>,
-    make: impl Fn(Option<(usize, usize)>, &Reference<R, D>) -> Result<Kn>,
+    make: impl Fn(Option<(usize, usize)>, &Reference<R, D>, &dyn Section<R>) -> Result<Kn>,
 ) -> Result<()>
 where
     R: Real,
     E: Element<D, S>,
     Kn: ElementKernel<R, D, S>,
 {
-    let properties = section.properties()?;
-    let gyration = ((properties.iyy + properties.izz) / properties.area).sqrt();
+    let section = &Stocky::new(section)?;
     let reference = Reference {
-        length: gyration * R::lit(4.0),
+        length: R::lit(4.0),
         frame: std::array::from_fn(|a| {
             std::array::from_fn(|c| if a == c { R::one() } else { R::zero() })
         }),
@@ -41,7 +41,7 @@ where
     let size = S * D;
     let target = size - rigid_modes(element, &reference);
     let rank_of =
-        |trial| -> Result<usize> { Ok(rank(&make(trial, &reference)?, element, &reference)) };
+        |trial| -> Result<usize> { Ok(rank(&make(trial, &reference, section)?, element, &reference)) };
     let rank = rank_of(None)?;
     if rank >= target {
         return Ok(());
@@ -70,6 +70,38 @@ where
             }
         },
     })
+}
+
+/// A section stretched to unit radii of gyration about both axes: rank does not depend on them,
+/// but its rounding does.
+#[derive(Debug)]
+struct Stocky<'a, R> {
+    section: &'a dyn Section<R>,
+    stretch: [[R; 2]; 2],
+}
+
+impl<'a, R: Real> Stocky<'a, R> {
+    fn new(section: &'a dyn Section<R>) -> Result<Self> {
+        let properties = section.properties()?;
+        let area = positive("area of the section [m^2]", properties.area)?;
+        let stretch = |moment: R| {
+            let moment = positive("second moment of the section [m^4]", moment)?;
+            positive("radius of gyration of the section [m]", Field::sqrt(area / moment))
+        };
+        let (y, z) = (stretch(properties.izz)?, stretch(properties.iyy)?);
+        let stretch = [[y, R::zero()], [R::zero(), z]];
+        Ok(Self { section, stretch })
+    }
+}
+
+impl<R: Real> Section<R> for Stocky<'_, R> {
+    fn rule(&self, degree: usize) -> Result<Cubature<R, 2>> {
+        self.section.rule(degree)?.affine(self.stretch, [R::zero(); 2])
+    }
+
+    fn outline(&self, n: usize) -> Vec<Vec<[R; 2]>> {
+        self.section.outline(n)
+    }
 }
 
 /// Number of independent rigid motions the coordinates can tell apart.
@@ -140,6 +172,9 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
     } else {
         ZERO
     };
-    let eigenvalues = SymmetricEigen::new(scaled).eigenvalues;
-    eigenvalues.iter().filter(|v| v.abs() > zero).count()
+    if !scaled.iter().all(|v| v.is_finite()) {
+        return 0;
+    }
+    let eigen = SymmetricEigen::try_new(scaled, f64::EPSILON, 10_000);
+    eigen.map_or(0, |e| e.eigenvalues.iter().filter(|v| v.abs() > zero).count())
 }

@@ -1,8 +1,7 @@
 //! The driver of all integrators: fixed steps, or steps chosen so that the local error stays at a
 //! tolerance. Observers see every accepted step and cannot change it.
 
-use super::newmark::NewmarkMethod;
-use super::{Method, Newmark};
+use super::{Method, Scheme};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
 use crate::solver::{State, Structure};
@@ -30,11 +29,15 @@ pub struct Adaptive {
     pub shortest: f64,
     /// Factor applied to the step that would just meet the tolerance.
     pub safety: f64,
+    /// Displacements, as a share of the size of the structure, below which the error is measured
+    /// against this share and no longer against the motion: motions far smaller than it are not
+    /// resolved. The motion is the largest so far.
+    pub least_motion: f64,
 }
 
 impl Adaptive {
     /// Error control to `tolerance` with usual limits: first step 10 us, steps between 1 ns and
-    /// 0.1 s.
+    /// 0.1 s, least motion a millionth of the structure.
     pub fn to(tolerance: f64) -> Self {
         Self {
             tolerance,
@@ -42,6 +45,7 @@ impl Adaptive {
             longest: 0.1,
             shortest: 1e-9,
             safety: 0.8,
+            least_motion: 1e-6,
         }
     }
 }
@@ -55,9 +59,11 @@ pub struct RunReport {
     pub rejected: usize,
     /// Steps in which Newton's method failed and a shorter one was tried.
     pub failed: usize,
-    /// Newton iterations of accepted steps.
+    /// Steps accepted at the residual that rounding leaves, above Newton's tolerance.
+    pub at_floor: usize,
+    /// Newton iterations of all steps that converged, rejected ones among them.
     pub iterations: usize,
-    /// Tangents evaluated in accepted steps.
+    /// Tangents evaluated in them.
     pub tangents: usize,
 }
 
@@ -78,7 +84,14 @@ impl<R: Real> Step<'_, R> {
 
     /// Displacement of coordinate `i` at a time (s) within the step, by cubic Hermite
     /// interpolation.
-    pub fn displacement_at(&self, time: R, i: usize) -> R {
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCoordinate`] when the structure has no coordinate `i`.
+    pub fn displacement_at(&self, time: R, i: usize) -> Result<R> {
+        let size = self.after.displacement.len();
+        if i >= size {
+            return Err(Error::NoSuchCoordinate { index: i, size });
+        }
         let step = self.after.time - self.before.time;
         let x = (time - self.before.time) / step;
         let y = R::one() - x;
@@ -86,7 +99,7 @@ impl<R: Real> Step<'_, R> {
         let (u0, u1) = (self.before.displacement[i], self.after.displacement[i]);
         let (v0, v1) = (self.before.velocity[i], self.after.velocity[i]);
         let change = x * x * (three - two * x) * (u1 - u0);
-        u0 + change + step * x * y * (y * v0 - x * v1)
+        Ok(u0 + change + step * x * y * (y * v0 - x * v1))
     }
 }
 
@@ -108,29 +121,37 @@ impl<R: Real> Step<'_, R> {
 ///
 /// let mut run = Integration::start(&system, system.rest(), &Newmark::trapezoidal())?;
 /// run.until(0.1, Stepping::Fixed(1e-3), |_| {})?;
-/// let energies = system.energies(run.state());
+/// let energies = system.energies(run.state())?;
 /// assert!(energies.balance().abs() < 1e-4 * energies.kinetic);
 /// # Ok::<(), ancf::Error>(())
 /// ```
 #[derive(Debug)]
-pub struct Integration<'a, R: Real, S> {
+pub struct Integration<'a, R: Real, S, M> {
     structure: &'a S,
-    method: NewmarkMethod<R>,
+    method: M,
     state: State<R>,
     next: State<R>,
     report: RunReport,
     /// Step the error control would take next (s).
     proposed: Option<R>,
+    /// Largest size of the motion so far.
+    motion: R,
+    /// Whether the last attempt ended at the rounding floor.
+    floored: bool,
 }
 
-impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
+impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     /// Prepares a run from a state; all memory is allocated here.
     ///
     /// # Errors
     /// For settings out of range, a structure without mass, a state of the wrong size or with
     /// values that are not finite.
-    pub fn start(structure: &'a S, mut state: State<R>, method: &Newmark) -> Result<Self> {
-        let method = method.start(structure, &mut state)?;
+    pub fn start(
+        structure: &'a S,
+        mut state: State<R>,
+        scheme: &impl Scheme<R, Method = M>,
+    ) -> Result<Self> {
+        let method = scheme.start(structure, &mut state)?;
         Ok(Self {
             structure,
             method,
@@ -138,6 +159,8 @@ impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
             state,
             report: RunReport::default(),
             proposed: None,
+            motion: R::zero(),
+            floored: false,
         })
     }
 
@@ -205,12 +228,12 @@ impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
         for n in 1..=whole as u64 {
             self.step(step)?;
             self.state.time = start + step * R::lit(n as f64);
-            self.next.time = self.state.time - step;
             observe(self.last());
         }
         let rest = end - self.state.time;
         if rest > step * R::lit(1e-6) {
             self.step(rest)?;
+            self.state.time = end;
             observe(self.last());
         }
         Ok(())
@@ -228,60 +251,77 @@ impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
             ("longest time step [s]", control.longest),
             ("shortest time step [s]", control.shortest),
             ("safety factor of the step control", control.safety),
+            ("least motion of the error control", control.least_motion),
         ] {
             positive(what, value)?;
         }
-        let tolerance = R::lit(control.tolerance);
-        let order = f64::from(self.method.error_order()).recip();
-        let sliver = R::lit(control.shortest);
         let mut step = self.proposed.unwrap_or(R::lit(control.first));
-        while end - self.state.time > sliver {
-            step = step.smaller(R::lit(control.longest));
+        loop {
             let left = end - self.state.time;
+            // What rounding of the time leaves is no step.
+            if left <= end.abs().larger(self.state.time.abs()) * R::lit(4.0 * R::EPSILON) {
+                self.state.time = end;
+                return Ok(());
+            }
+            step = step.smaller(R::lit(control.longest));
             // Two even steps rather than one and a sliver.
             let trial = match left {
                 left if left <= step => left,
                 left if left < step * R::lit(2.0) => left * R::lit(0.5),
                 _ => step,
             };
-            let factor = match self.attempt(trial) {
+            let (factor, refused) = match self.attempt(trial) {
                 Ok(()) => {
-                    let error = self.method.error(self.structure, &self.state, &self.next);
-                    let ratio = (tolerance / error).value().min(1e3);
-                    let factor = control.safety * ratio.powf(order);
-                    if error <= tolerance {
+                    let (accepted, factor) = self.judge(control);
+                    if accepted {
                         self.accept();
                         observe(self.last());
-                        factor.clamp(0.3, 2.0)
-                    } else if error.finite() {
-                        self.report.rejected += 1;
-                        factor.clamp(0.1, 0.9)
-                    } else {
-                        self.report.failed += 1;
-                        0.25
                     }
+                    (factor, (!accepted).then_some(None))
                 }
                 Err(error @ Error::LoadNotFinite { .. }) => return Err(self.failed(trial, error)),
                 Err(error) => {
                     self.report.failed += 1;
-                    if trial.value() * 0.25 < control.shortest {
-                        return Err(self.failed(trial, error));
-                    }
-                    0.25
+                    (0.25, Some(Some(error)))
                 }
             };
-            step = trial * R::lit(factor);
+            let asked = trial * R::lit(factor);
+            match refused {
+                // A step cut short by the end says nothing against the longer one proposed.
+                None if trial < step => step = step.larger(asked),
+                _ => step = asked,
+            }
             self.proposed = Some(step);
-            if step < sliver {
-                let cause = Error::StepTooShort {
+            if let Some(cause) = refused
+                && step.value() < control.shortest
+            {
+                let cause = cause.unwrap_or(Error::StepTooShort {
                     step: step.value(),
                     shortest: control.shortest,
-                };
-                return Err(self.failed(step, cause));
+                });
+                return Err(self.failed(trial, cause));
             }
         }
-        self.state.time = end;
-        Ok(())
+    }
+
+    /// Whether the step just tried meets the tolerance, and the factor for the next.
+    fn judge(&mut self, control: &Adaptive) -> (bool, f64) {
+        let (error, size) = self.method.error(self.structure, &self.state, &self.next);
+        let size = self.motion.larger(size);
+        let error = (error / size.larger(R::lit(control.least_motion))).value();
+        if !error.is_finite() {
+            self.report.failed += 1;
+            return (false, 0.25);
+        }
+        let ratio = (control.tolerance / error).min(1e6);
+        let factor = control.safety * ratio.powf(1.0 / f64::from(M::ERROR_ORDER));
+        if error <= control.tolerance {
+            self.motion = size;
+            (true, factor.clamp(0.3, 2.0))
+        } else {
+            self.report.rejected += 1;
+            (false, factor.clamp(0.1, 0.9))
+        }
     }
 
     /// Computes the next state without taking the step.
@@ -291,6 +331,7 @@ impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
             .advance(self.structure, &self.state, &mut self.next, step)?;
         self.report.iterations += solved.iterations;
         self.report.tangents += solved.tangents;
+        self.floored = solved.at_floor;
         Ok(())
     }
 
@@ -298,6 +339,7 @@ impl<'a, R: Real, S: Structure<R>> Integration<'a, R, S> {
         self.method.accept(&self.state, &self.next);
         std::mem::swap(&mut self.state, &mut self.next);
         self.report.steps += 1;
+        self.report.at_floor += usize::from(self.floored);
     }
 
     /// The step just accepted.

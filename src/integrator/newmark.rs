@@ -1,10 +1,10 @@
 //! Newmark's method, the integrator of the paper, with the two local error estimators that its
 //! adaptive step can be controlled by.
 
-use super::Method;
+use super::{Method, Scheme};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Solved, State, Structure, Workspace};
+use crate::solver::{Equations, Newton, Solved, State, Structure, Workspace, norm};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,10 +60,12 @@ impl Newmark {
         self.estimator = estimator;
         self
     }
+}
 
-    /// Allocates the method's workspace for a structure and makes the state's acceleration
-    /// consistent with its displacement, velocity and time.
-    pub(super) fn start<R: Real, S: Structure<R>>(
+impl<R: Real> Scheme<R> for Newmark {
+    type Method = NewmarkMethod<R>;
+
+    fn start<S: Structure<R>>(
         &self,
         structure: &S,
         state: &mut State<R>,
@@ -90,13 +92,15 @@ impl Newmark {
         }
         let n = structure.profile().size();
         state.check(n)?;
+        for &i in structure.fixed() {
+            state.velocity[i] = R::zero();
+        }
         let mut method = NewmarkMethod {
             settings: *self,
             workspace: Workspace::new(structure),
-            base: vec![R::zero(); n],
             before: vec![R::zero(); n],
             step_before: None,
-            step_of_factor: None,
+            step: None,
         };
         method.workspace.accelerate(structure, state)?;
         Ok(method)
@@ -108,15 +112,16 @@ impl Newmark {
 pub struct NewmarkMethod<R> {
     settings: Newmark,
     workspace: Workspace<R>,
-    /// The displacement at which the new acceleration would vanish.
-    base: Vec<R>,
     /// Acceleration one step earlier, and the length of that step.
     before: Vec<R>,
     step_before: Option<R>,
-    step_of_factor: Option<R>,
+    /// Length of the last step tried, to which a kept tangent belongs.
+    step: Option<R>,
 }
 
 impl<R: Real> Method<R> for NewmarkMethod<R> {
+    const ERROR_ORDER: i32 = 3;
+
     fn advance<S: Structure<R>>(
         &mut self,
         structure: &S,
@@ -126,37 +131,32 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
     ) -> Result<Solved> {
         let beta = R::lit(self.settings.beta);
         let gamma = R::lit(self.settings.gamma);
-        let half = R::lit(0.5);
         let square = step * step;
-        for i in 0..self.base.len() {
-            let drift = now.displacement[i] + step * now.velocity[i];
-            self.base[i] = drift + square * (half - beta) * now.acceleration[i];
-            next.displacement[i] = drift + square * half * now.acceleration[i];
-        }
-        for &i in structure.fixed() {
-            self.base[i] = now.displacement[i];
-            next.displacement[i] = now.displacement[i];
+        // The guess is the motion with constant acceleration; each metre of correction then
+        // changes the acceleration by 1 / (beta dt^2).
+        let half = square * R::lit(0.5);
+        for i in 0..next.displacement.len() {
+            let drift = step * now.velocity[i] + half * now.acceleration[i];
+            next.displacement[i] = now.displacement[i] + drift;
         }
         // The mass term of a kept tangent belongs to one step size only.
-        if self.step_of_factor != Some(step) {
+        if self.step != Some(step) {
             self.workspace.forget();
-            self.step_of_factor = Some(step);
+            self.step = Some(step);
         }
         next.time = now.time + step;
-        let rate = (beta * square).recip();
+        let rate = R::one() / (beta * square);
         let equations = Equations {
             time: next.time,
             factor: R::one(),
-            inertia: Some((rate, &self.base)),
+            initial: None,
+            inertia: Some((rate, &now.acceleration)),
         };
-        let solved = self.workspace.solve(
-            structure,
-            &self.settings.newton,
-            &equations,
-            &mut next.displacement,
-        )?;
-        for i in 0..self.base.len() {
-            let a = rate * (next.displacement[i] - self.base[i]);
+        let newton = &self.settings.newton;
+        let u = &mut next.displacement;
+        let solved = self.workspace.solve(structure, newton, &equations, u)?;
+        for (i, moved) in self.workspace.moved().iter().enumerate() {
+            let a = now.acceleration[i] + rate * *moved;
             let mean = (R::one() - gamma) * now.acceleration[i] + gamma * a;
             next.acceleration[i] = a;
             next.velocity[i] = now.velocity[i] + step * mean;
@@ -165,9 +165,11 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         Ok(solved)
     }
 
-    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> R {
+    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+        let Some(step) = self.step else {
+            return (R::zero(), R::zero());
+        };
         let beta = R::lit(self.settings.beta);
-        let step = next.time - now.time;
         let (mut error, mut size) = (R::zero(), R::zero());
         let measure = structure.measure();
         let cube = step * step * step / R::lit(24.0);
@@ -188,20 +190,12 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             let moved = next.displacement[i] / measure[i];
             size += moved * moved;
         }
-        if error.is_zero() {
-            return error;
-        }
-        // A structure that has hardly moved is measured against a thousandth of its size.
-        let least = R::lit(1e-6) * R::lit(measure.len() as f64);
-        (error / size.larger(least)).sqrt()
+        let mean = |square: R| norm(square / R::lit(measure.len() as f64));
+        (mean(error), mean(size))
     }
 
-    fn error_order(&self) -> u32 {
-        3
-    }
-
-    fn accept(&mut self, now: &State<R>, next: &State<R>) {
+    fn accept(&mut self, now: &State<R>, _next: &State<R>) {
         self.before.copy_from_slice(&now.acceleration);
-        self.step_before = Some(next.time - now.time);
+        self.step_before = self.step;
     }
 }

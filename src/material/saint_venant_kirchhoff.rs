@@ -2,7 +2,7 @@
 //! Piola-Kirchhoff stress (eq. 11 of Orzechowski 2012).
 
 use super::{Blocks, Material, PoissonSplit, Tensor};
-use crate::error::{Error, Result, positive};
+use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
 use crate::tensor::add_scaled;
 
@@ -52,6 +52,8 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
             let lame = young * poisson / ((one + poisson) * (one - two * poisson));
             (lame + two * shear, lame)
         };
+        finite("largest modulus of the material [Pa]", diagonal)?;
+        positive("shear modulus of the material [Pa]", shear)?;
         Ok(Self {
             young,
             normal: std::array::from_fn(|a| {

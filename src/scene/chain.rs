@@ -27,7 +27,7 @@ pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
     fn force(&self, u: &[R], q: &mut [R]);
-    fn tangent(&self, u: &[R], q: &mut [R], k: &mut BandMatrix<R>) -> Result<()>;
+    fn tangent(&self, u: &[R], k: &mut BandMatrix<R>) -> Result<()>;
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
@@ -180,13 +180,12 @@ where
         }
     }
 
-    fn tangent(&self, u: &[R], q: &mut [R], k: &mut BandMatrix<R>) -> Result<()> {
+    fn tangent(&self, u: &[R], k: &mut BandMatrix<R>) -> Result<()> {
         for n in 0..self.elements {
             let mut force = [[R::zero(); D]; S];
             let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
             self.kernel
                 .tangent(&self.gather(n, u), &mut force, &mut tangent);
-            self.scatter(n, &force, q);
             let block = tangent.as_flattened().as_flattened().as_flattened();
             k.add_block(self.range(n).start, S * D, block)?;
         }

@@ -15,13 +15,14 @@ use crate::tensor::{cross, dot};
 pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
 
 /// How a moment acts on the slopes `r_x`, `r_y`, `r_z` of a node: the generalised forces `Q` it
-/// does work with. All agree at small strain on an undeformed section; they differ in what they
-/// do when slopes stretch and shear.
+/// does work with. They agree at small strain; they differ in what they do when slopes stretch and
+/// shear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MomentLaw {
-    /// Work-conjugate to the rotation of slope `p` about the moment's axis:
-    /// `Q_p = m x p / |p|^2`. On a cross slope (axis 1 or 2) the default way; on `r_x` (axis 0)
-    /// the couple travels as shear through the last element and the answer depends on the mesh.
+    /// Work-conjugate to the rotation of slope `p` about the moment's axis `n`:
+    /// `Q_p = m x p / |n x p|^2`, which has the potential `-|m|` times the angle turned. On a
+    /// cross slope (axis 1 or 2) the default way; on `r_x` (axis 0) the couple travels as shear
+    /// through the last element and the answer depends on the mesh.
     SlopeRotation(usize),
     /// Couple of two forces of fixed size that turn with slope `p`: `Q_p = m x p / |p|`.
     FollowerCouple(usize),
@@ -48,13 +49,13 @@ impl MomentLaw {
     }
 
     /// Whether the law has a potential for every motion in `dimension` dimensions, so that its
-    /// tangent is symmetric. In space no moment about a fixed axis has one.
+    /// tangent is symmetric.
     fn conservative(self, dimension: usize) -> bool {
-        dimension == 2
-            && matches!(
-                self,
-                Self::SlopeRotation(_) | Self::MeanRotation | Self::PolarRotation
-            )
+        match self {
+            Self::SlopeRotation(_) => true,
+            Self::MeanRotation | Self::PolarRotation => dimension == 2,
+            _ => false,
+        }
     }
 
     /// Generalised forces on the slopes `p`, embedded in space.
@@ -70,7 +71,12 @@ impl MomentLaw {
         let mut q = [[T::zero(); 3]; 3];
         match self {
             Self::SlopeRotation(axis) => {
-                q[axis] = scaled(cross(&m, &p[axis]), square(&p[axis]).recip());
+                let size = moment.iter().fold(R::zero(), |s, c| s + *c * *c);
+                // Without a moment there is no axis to turn about.
+                if !size.is_zero() {
+                    let arm = cross(&m, &p[axis]);
+                    q[axis] = scaled(arm, square(&arm).recip().times(size));
+                }
             }
             Self::FollowerCouple(axis) => {
                 q[axis] = scaled(cross(&m, &p[axis]), square(&p[axis]).sqrt().recip());
@@ -194,21 +200,22 @@ impl<R: Real> Moment<R> {
                 remedy: "slopes are numbered 0 (axis) to D - 1",
             });
         }
-        if matches!(
-            self.law,
-            MomentLaw::TangentTraction | MomentLaw::PiolaTraction
-        ) {
-            let torsion: R = (0..D).map(|c| self.vector[c] * frame[0][c]).sum();
-            let size = self.vector.iter().fold(R::zero(), |s, c| s + c.abs());
-            if torsion.abs() > size * R::lit(1e3 * R::EPSILON) {
-                return Err(Error::Unsupported {
-                    what: format!(
-                        "a normal traction with the torsional moment {}",
-                        torsion.value()
-                    ),
-                    remedy: "normal tractions carry bending only; use SlopeRotation or MeanRotation",
-                });
-            }
+        let along = match self.law {
+            MomentLaw::SlopeRotation(axis) | MomentLaw::FollowerCouple(axis) => axis,
+            MomentLaw::TangentTraction | MomentLaw::PiolaTraction => 0,
+            MomentLaw::MeanRotation | MomentLaw::PolarRotation => return Ok(()),
+        };
+        let lost: R = (0..D).map(|c| self.vector[c] * frame[along][c]).sum();
+        let size = self.vector.iter().fold(R::zero(), |s, c| s + c.abs());
+        if lost.abs() > size * R::lit(1e3 * R::EPSILON) {
+            return Err(Error::Unsupported {
+                what: format!(
+                    "a moment with the component {} along material axis {along}, which {:?} cannot carry",
+                    lost.value(),
+                    self.law
+                ),
+                remedy: "split the moment, choose another slope, or use MomentLaw::MeanRotation",
+            });
         }
         Ok(())
     }

@@ -210,7 +210,8 @@ impl<R: Real, const D: usize> Scene<R, D> {
     ///
     /// # Errors
     /// When the beam has no such node, its element lacks the slopes the law acts on, or a component
-    /// is not finite or cannot act (out of the plane's normal, torsion by a traction).
+    /// is not finite or cannot act (in the plane of a planar scene, along the slope it acts on,
+    /// torsion by a traction).
     pub fn moment(&mut self, node: Node, moment: Moment<R>) -> Result<()> {
         self.push_moment(node, moment, None)
     }

@@ -33,7 +33,8 @@ impl<R: Real> Energies<R> {
         self.kinetic + self.elastic + self.gravity
     }
 
-    /// [`total`](Self::total) minus the work of loads: constant in exact arithmetic and time.
+    /// [`total`](Self::total) minus the work of loads: constant along a motion, up to the error
+    /// of the time integration (statics books no work).
     pub fn balance(&self) -> R {
         self.total() - self.work
     }
@@ -142,6 +143,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// When there is no such node.
     pub fn displacement(&self, state: &State<R>, node: Node) -> Result<[R; D]> {
         let at = coordinates(&self.bodies, node, NodalVector::Position)?;
+        self.check_size(state)?;
         Ok(std::array::from_fn(|c| state.displacement[at + c]))
     }
 
@@ -159,6 +161,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// When there is no such node or its element no such vector.
     pub fn vector(&self, state: &State<R>, node: Node, vector: NodalVector) -> Result<[R; D]> {
         let at = coordinates(&self.bodies, node, vector)?;
+        self.check_size(state)?;
         Ok(std::array::from_fn(|c| {
             self.reference[at + c] + state.displacement[at + c]
         }))
@@ -180,6 +183,7 @@ impl<R: Real, const D: usize> System<R, D> {
     pub fn point(&self, state: &State<R>, node: Node, s: R, y: [R; D]) -> Result<[R; D]> {
         let (body, _) = locate(&self.bodies, node)?;
         finite("axial position along a beam", s)?;
+        self.check_size(state)?;
         let (start, shape) = body.elastic().shape(s, &y);
         let mut r = [R::zero(); D];
         for (i, s) in shape.into_iter().enumerate() {
@@ -192,7 +196,19 @@ impl<R: Real, const D: usize> System<R, D> {
 
     /// Sets the velocity field of a rigid motion: `v` (m/s) of the origin and the angular velocity
     /// `omega` (rad/s) (in the plane only its third component acts).
-    pub fn set_rigid_velocity(&self, state: &mut State<R>, v: [R; D], omega: [R; 3]) {
+    ///
+    /// # Errors
+    /// When the state is of another system's size or a component is not finite.
+    pub fn set_rigid_velocity(
+        &self,
+        state: &mut State<R>,
+        v: [R; D],
+        omega: [R; 3],
+    ) -> Result<()> {
+        self.check_size(state)?;
+        for component in v.iter().chain(&omega) {
+            finite("component of a rigid velocity", *component)?;
+        }
         for body in &self.bodies {
             let per_node = body.vectors().len();
             for (i, start) in body.range().step_by(D).enumerate() {
@@ -211,30 +227,37 @@ impl<R: Real, const D: usize> System<R, D> {
         for &i in &self.fixed {
             state.velocity[i] = R::zero();
         }
+        Ok(())
     }
 
-    /// Energy balance of a state; terms the scene does not have are zero. Allocates only with a
-    /// mass matrix, never inside a time step.
-    pub fn energies(&self, state: &State<R>) -> Energies<R> {
+    fn check_size(&self, state: &State<R>) -> Result<()> {
+        let size = self.reference.len();
+        Error::check_length("length of the displacements of a state", state.displacement.len(), size)?;
+        Error::check_length("length of the velocities of a state", state.velocity.len(), size)
+    }
+
+    /// Energy balance of a state; terms the scene does not have are zero. Allocates with a mass
+    /// matrix.
+    ///
+    /// # Errors
+    /// When the state is of another system's size or not finite.
+    pub fn energies(&self, state: &State<R>) -> Result<Energies<R>> {
+        state.check(self.reference.len())?;
         let u = &state.displacement;
         let mut kinetic = R::zero();
         if self.mass.is_some() {
             let mut momentum = vec![R::zero(); u.len()];
             self.add_mass_times(R::one(), &state.velocity, &mut momentum);
-            let twice: R = momentum
-                .iter()
-                .zip(&state.velocity)
-                .map(|(p, v)| *p * *v)
-                .sum();
+            let twice: R = momentum.iter().zip(&state.velocity).map(|(p, v)| *p * *v).sum();
             kinetic = twice * R::lit(0.5);
         }
         let fall = |w: &Vec<R>| -w.iter().zip(u).map(|(w, u)| *w * *u).sum::<R>();
-        Energies {
+        Ok(Energies {
             kinetic,
             elastic: self.bodies.iter().map(|b| b.elastic().energy(u)).sum(),
             gravity: self.weight.as_ref().map_or(R::zero(), fall),
             work: state.work,
-        }
+        })
     }
 
     /// What is modelled, in words: unknowns, bodies, terms switched on.
@@ -317,11 +340,10 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         time: R,
         factor: R,
         u: &[R],
-        q: &mut [R],
         k: &mut BandMatrix<R>,
     ) -> Result<()> {
         for body in &self.bodies {
-            body.elastic().tangent(u, q, k)?;
+            body.elastic().tangent(u, k)?;
         }
         for load in &self.loads {
             let amplitude = factor * load.amplitude(time)?;

@@ -9,7 +9,7 @@ mod statics;
 mod structure;
 
 pub use band::{BandMatrix, Factor, Profile};
-pub(crate) use newton::{Equations, Workspace};
+pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;
 pub use statics::{StaticReport, Statics};

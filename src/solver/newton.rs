@@ -80,14 +80,17 @@ pub struct Solved {
     pub at_floor: bool,
 }
 
-/// The equations of one solve: statics at a load level, or a time step. `inertia` gives the
-/// factor of the mass matrix in the tangent and the acceleration as a linear function of `u`.
+/// The equations of one solve: statics at a load level, or a time step.
 pub(crate) struct Equations<'a, R> {
     /// Time at which loads are taken (s).
     pub(crate) time: R,
-    /// Factor of all external forces.
+    /// Share of the external forces.
     pub(crate) factor: R,
-    /// Acceleration `a = rate * (u - base)`; none in statics.
+    /// Forces that balance the rest, `1 - factor`: the internal forces of the state that a load
+    /// step starts from.
+    pub(crate) initial: Option<&'a [R]>,
+    /// Acceleration `predicted + rate * (u - guess)`; none in statics. Formed from corrections
+    /// and not from displacements, it keeps its digits at any step size.
     pub(crate) inertia: Option<(R, &'a [R])>,
 }
 
@@ -97,12 +100,14 @@ pub(crate) struct Workspace<R> {
     tangent: BandMatrix<R>,
     factor: Factor<R>,
     factored: bool,
-    /// The residual that rounding of the forces may leave at the state of the last tangent.
+    /// What rounding of the internal forces may leave at the state of the last tangent.
     floor: R,
     internal: Vec<R>,
     external: Vec<R>,
     inertia: Vec<R>,
-    pub(crate) scratch: Vec<R>,
+    scratch: Vec<R>,
+    /// Sum of the corrections of the last solve.
+    moved: Vec<R>,
     is_fixed: Vec<bool>,
 }
 
@@ -118,6 +123,8 @@ const NEAR: f64 = 1e-2;
 const RUNAWAY: f64 = 1e4;
 /// Old tangents are kept while each iteration reduces the residual at least by this.
 const SLOW: f64 = 0.1;
+/// A residual that one iteration reduces by less has stopped falling.
+const STALLED: f64 = 0.3;
 
 impl<R: Real> Workspace<R> {
     pub(crate) fn new<S: Structure<R> + ?Sized>(structure: &S) -> Self {
@@ -142,6 +149,7 @@ impl<R: Real> Workspace<R> {
             external: zeros(),
             inertia: zeros(),
             scratch: zeros(),
+            moved: zeros(),
             is_fixed,
         }
     }
@@ -151,7 +159,14 @@ impl<R: Real> Workspace<R> {
         self.factored = false;
     }
 
-    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u)` from the guess in `u`.
+    /// Sum of the corrections of the last solve: `u` minus the guess, with all its digits.
+    pub(crate) fn moved(&self) -> &[R] {
+        &self.moved
+    }
+
+    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u) + (1 - factor) initial` from the guess in `u`,
+    /// by at least one correction: a small residual alone may hide a light beam beside a heavy
+    /// one, and derivatives that a dual number carries.
     pub(crate) fn solve<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
@@ -160,8 +175,11 @@ impl<R: Real> Workspace<R> {
         u: &mut [R],
     ) -> Result<Solved> {
         let mut solved = Solved::default();
-        let mut correction = R::zero();
+        let mut correction: Option<R> = None;
         let mut previous: Option<R> = None;
+        // Derivatives follow the value one correction behind, each order one more.
+        let mut extra = R::ORDER;
+        self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
@@ -171,16 +189,21 @@ impl<R: Real> Workspace<R> {
             if !balance.residual.finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
             }
+            let corrected_by = |least: f64| correction.is_some_and(|c| c <= R::lit(least));
+            let fell_to = |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
             let small = balance.residual <= balance.scale * R::lit(settings.residual);
-            let settled = correction <= R::lit(settings.correction);
-            // The floor belongs to the state of the last tangent, so to states near it only.
-            let near = solved.iterations > 0 && correction <= R::lit(NEAR);
-            solved.at_floor = !small && near && balance.residual <= self.floor;
-            if (small && settled) || solved.at_floor || balance.residual.is_zero() {
-                structure.check(u)?;
-                return Ok(solved);
+            let floor = self.floor + balance.scale * R::lit(8.0 * R::EPSILON);
+            let at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
+            if (small && corrected_by(settings.correction)) || at_floor {
+                solved.at_floor = !small;
+                if extra == 0 {
+                    structure.check(u)?;
+                    return Ok(solved);
+                }
+                extra -= 1;
+                self.forget();
             }
-            if correction > R::lit(RUNAWAY) {
+            if correction.is_some() && !corrected_by(RUNAWAY) {
                 let reason = "a correction ten thousand times the size of the structure: a \
                               mechanism or an absurd load, check supports and loads";
                 return Err(self.unconverged(solved, reason));
@@ -188,18 +211,17 @@ impl<R: Real> Workspace<R> {
             if solved.iterations == settings.iterations {
                 return Err(self.unconverged(solved, "no convergence"));
             }
-            let slow = previous.is_some_and(|p| balance.residual > p * R::lit(SLOW));
             let renew = match settings.refresh {
                 Refresh::EveryIteration => true,
                 Refresh::EverySolve | Refresh::Never => false,
-                Refresh::WhenSlow => slow,
+                Refresh::WhenSlow => !fell_to(SLOW),
             };
             if renew || !self.factored {
                 self.renew(structure, equations, u)?;
                 solved.tangents += 1;
             }
             previous = Some(balance.residual);
-            correction = self.correct(structure, u)?;
+            correction = Some(self.correct(structure, u)?);
             solved.iterations += 1;
         }
     }
@@ -213,16 +235,13 @@ impl<R: Real> Workspace<R> {
         let equations = Equations {
             time: state.time,
             factor: R::one(),
+            initial: None,
             inertia: None,
         };
-        self.inertia.fill(R::zero());
         self.balance(structure, &equations, &state.displacement)?;
         self.tangent.clear();
         structure.add_mass(R::one(), &mut self.tangent)?;
-        for &i in structure.fixed() {
-            let diagonal = self.tangent.get(i, i);
-            self.tangent.fix(i, diagonal)?;
-        }
+        self.fix(structure)?;
         self.factor.factor(&self.tangent)?;
         self.forget();
         state.acceleration.copy_from_slice(&self.scratch);
@@ -245,12 +264,8 @@ impl<R: Real> Workspace<R> {
             structure.add_applied(state.time, R::lit(0.5), u, &mut self.external)?;
         }
         let moved = next.displacement.iter().zip(&now.displacement);
-        Ok(self
-            .external
-            .iter()
-            .zip(moved)
-            .map(|(q, (b, a))| *q * (*b - *a))
-            .sum())
+        let work = self.external.iter().zip(moved);
+        Ok(work.map(|(q, (b, a))| *q * (*b - *a)).sum())
     }
 
     fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
@@ -273,28 +288,44 @@ impl<R: Real> Workspace<R> {
         self.external.fill(R::zero());
         structure.add_internal(u, &mut self.internal);
         structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
-        if let Some((rate, base)) = equations.inertia {
-            self.inertia.fill(R::zero());
-            for i in 0..u.len() {
-                self.scratch[i] = rate * (u[i] - base[i]);
+        if let Some(initial) = equations.initial {
+            let rest = R::one() - equations.factor;
+            for (q, initial) in self.external.iter_mut().zip(initial) {
+                *q += rest * *initial;
             }
-            structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
         }
+        match equations.inertia {
+            Some((rate, predicted)) => {
+                self.inertia.fill(R::zero());
+                for i in 0..u.len() {
+                    self.scratch[i] = predicted[i] + rate * self.moved[i];
+                }
+                structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
+                Ok(self.norms(structure, |w, i| [w.external[i], w.internal[i], w.inertia[i]]))
+            }
+            None => Ok(self.norms(structure, |w, i| [w.external[i], w.internal[i], R::zero()])),
+        }
+    }
+
+    /// Residual in `scratch` and the norms of `[external, internal, inertia]` and of their
+    /// balance, over the coordinates that are free: what acts on a support is no measure of what
+    /// acts on the rest.
+    fn norms<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        parts: impl Fn(&Self, usize) -> [R; 3],
+    ) -> Balance<R> {
         let measure = structure.measure();
         let mut squares = [R::zero(); 4];
-        for i in 0..u.len() {
-            let mut residual = self.external[i] - self.internal[i] - self.inertia[i];
-            if self.is_fixed[i] {
-                residual = R::zero();
-            }
+        for i in 0..measure.len() {
+            let [external, internal, inertia] = parts(self, i);
+            let residual = external - internal - inertia;
             self.scratch[i] = residual;
-            let parts = [
-                residual,
-                self.external[i],
-                self.internal[i],
-                self.inertia[i],
-            ];
-            for (square, part) in squares.iter_mut().zip(parts) {
+            if self.is_fixed[i] {
+                self.scratch[i] = R::zero();
+                continue;
+            }
+            for (square, part) in squares.iter_mut().zip([residual, external, internal, inertia]) {
                 let part = part * measure[i];
                 *square += part * part;
             }
@@ -302,10 +333,10 @@ impl<R: Real> Workspace<R> {
         let largest = squares[1].larger(squares[2]).larger(squares[3]);
         // A state without any force is its own solution: avoid 0 / 0.
         let scale = if largest.is_zero() { R::one() } else { largest };
-        Ok(Balance {
+        Balance {
             residual: norm(squares[0]),
             scale: norm(scale),
-        })
+        }
     }
 
     fn renew<S: Structure<R> + ?Sized>(
@@ -316,17 +347,7 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         self.factored = false;
         self.tangent.clear();
-        self.internal.fill(R::zero());
-        structure.add_tangent(
-            equations.time,
-            equations.factor,
-            u,
-            &mut self.internal,
-            &mut self.tangent,
-        )?;
-        if let Some((rate, _)) = equations.inertia {
-            structure.add_mass(rate, &mut self.tangent)?;
-        }
+        structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
         self.tangent.abs_mul_vec(u, &mut self.internal)?;
         let measure = structure.measure();
         let mut square = R::zero();
@@ -337,12 +358,21 @@ impl<R: Real> Workspace<R> {
             }
         }
         self.floor = norm(square) * R::lit(R::EPSILON);
-        for &i in structure.fixed() {
-            let diagonal = self.tangent.get(i, i).abs();
-            self.tangent.fix(i, diagonal)?;
+        if let Some((rate, _)) = equations.inertia {
+            structure.add_mass(rate, &mut self.tangent)?;
         }
+        self.fix(structure)?;
         self.factor.factor(&self.tangent)?;
         self.factored = true;
+        Ok(())
+    }
+
+    fn fix<S: Structure<R> + ?Sized>(&mut self, structure: &S) -> Result<()> {
+        for &i in structure.fixed() {
+            let diagonal = self.tangent.get(i, i).abs();
+            let diagonal = if diagonal > R::zero() { diagonal } else { R::one() };
+            self.tangent.fix(i, diagonal)?;
+        }
         Ok(())
     }
 
@@ -350,8 +380,10 @@ impl<R: Real> Workspace<R> {
     fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> Result<R> {
         self.factor.solve(&mut self.scratch)?;
         let mut largest = R::zero();
-        for ((u, du), measure) in u.iter_mut().zip(&self.scratch).zip(structure.measure()) {
+        let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
+        for (((u, moved), du), measure) in corrected.zip(structure.measure()) {
             *u += *du;
+            *moved += *du;
             largest = largest.larger((*du / *measure).abs());
         }
         Ok(largest)
@@ -359,7 +391,7 @@ impl<R: Real> Workspace<R> {
 }
 
 /// Square root that carries a zero derivative at zero instead of NaN.
-fn norm<R: Real>(square: R) -> R {
+pub(crate) fn norm<R: Real>(square: R) -> R {
     if square.is_zero() {
         R::zero()
     } else {

@@ -1,7 +1,9 @@
-//! Static equilibrium by load stepping: the loads grow from nothing to their full value in steps
-//! that shrink when Newton's method fails and grow back when it does well.
+//! Static equilibrium by load stepping: the out-of-balance forces of the state given are brought
+//! in by steps that shrink when Newton's method fails and grow back when it does well. From a state
+//! at rest this is a growing load; from any other it is the way from what the state carries to the
+//! load asked for.
 
-use super::newton::{Equations, Newton, Solved, Workspace};
+use super::newton::{Equations, Newton, Workspace};
 use super::{State, Structure};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
@@ -54,7 +56,8 @@ impl Statics {
         }
     }
 
-    /// Finds the equilibrium under the full load, starting from the state given.
+    /// Finds the equilibrium under the full load, starting from the state given, whatever it
+    /// carries.
     ///
     /// # Errors
     /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
@@ -83,6 +86,8 @@ impl Statics {
         let mut reached = R::zero();
         let mut before: Option<(Vec<R>, R)> = None;
         let mut u = state.displacement.clone();
+        let mut initial = vec![R::zero(); u.len()];
+        structure.add_internal(&u, &mut initial);
         while reached < R::one() {
             let mut factor = (reached + step).smaller(R::one());
             // Do not leave a sliver for the last step.
@@ -96,7 +101,13 @@ impl Statics {
                     u[i] += ratio * (state.displacement[i] - last[i]);
                 }
             }
-            match self.level(structure, &mut workspace, state.time, factor, &mut u) {
+            let equations = Equations {
+                time: state.time,
+                factor,
+                initial: Some(&initial),
+                inertia: None,
+            };
+            match workspace.solve(structure, &self.newton, &equations, &mut u) {
                 Ok(solved) => {
                     before = Some((state.displacement.clone(), reached));
                     state.displacement.copy_from_slice(&u);
@@ -126,21 +137,5 @@ impl Statics {
             }
         }
         Ok(report)
-    }
-
-    fn level<R: Real, S: Structure<R>>(
-        &self,
-        structure: &S,
-        workspace: &mut Workspace<R>,
-        time: R,
-        factor: R,
-        u: &mut [R],
-    ) -> Result<Solved> {
-        let equations = Equations {
-            time,
-            factor,
-            inertia: None,
-        };
-        workspace.solve(structure, &self.newton, &equations, u)
     }
 }

@@ -40,7 +40,7 @@ pub trait Structure<R: Real> {
     /// When a load is not finite.
     fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()>;
 
-    /// Adds the internal forces to `q` and the tangent `d(Q_s - factor Q_e)/du` to `k`.
+    /// Adds the tangent `d(Q_s - factor Q_e)/du` to `k`.
     ///
     /// # Errors
     /// When a load is not finite.
@@ -49,7 +49,6 @@ pub trait Structure<R: Real> {
         time: R,
         factor: R,
         u: &[R],
-        q: &mut [R],
         k: &mut BandMatrix<R>,
     ) -> Result<()>;
 
