@@ -230,13 +230,16 @@ pub fn fixed_steps(study: &fixed_step::Study, directory: &Path) -> Made {
             x: Axis::linear("time [s]", 0.0, 10.0),
             y: Axis::log("|energy error| [J]", 1e-7, 1e5),
             series,
-            notes: Vec::new(),
+            notes: match refresh {
+                Refresh::Never => vec![([0.6, 3e-4], "1 to 10 ms: ends at once".into())],
+                _ => Vec::new(),
+            },
         });
     }
     Sheet {
-        size: [2100, 880],
+        size: [2100, 920],
         columns: 3,
-        legend: 6,
+        legend: 3,
         panels,
     }
     .save(directory, "fixed-step")
@@ -254,7 +257,7 @@ pub fn ramp(study: &ramp::Study, refs: &References, directory: &Path) -> Made {
     let mut panels = Vec::new();
     for (title, kind, references) in [
         (
-            "ν = 0.3, full integration: converges to 0.743 of the truth or less",
+            "ν = 0.3, full integration: locked",
             (0.3, Rule::Full),
             vec![
                 (

@@ -42,19 +42,19 @@ fn roll_up(directory: &Path) -> Made {
     let name = "n = 20, exact rule";
     rolling.push(outline(beam, 1.0, name, colour::BLUE)?);
     let notes = [
-        ([0.80, 0.045], "M = 0"),
-        ([0.85, 0.27], "1/8"),
-        ([0.69, 0.50], "1/4"),
-        ([0.47, 0.585], "3/8"),
-        ([0.13, 0.66], "1/2"),
-        ([-0.13, 0.53], "5/8"),
-        ([-0.21, 0.40], "3/4"),
-        ([-0.20, 0.245], "7/8"),
-        ([-0.03, 0.16], "2π EI/L"),
+        ([1.01, 0.0], "M = 0"),
+        ([0.91, 0.395], "1/8"),
+        ([0.62, 0.665], "1/4"),
+        ([0.33, 0.76], "3/8"),
+        ([-0.09, 0.64], "1/2"),
+        ([-0.27, 0.44], "5/8"),
+        ([-0.22, 0.17], "3/4"),
+        ([-0.15, 0.01], "7/8"),
+        ([-0.05, 0.16], "2π EI/L"),
     ];
     let shapes = Panel {
-        title: "Shares of the moment 2π EI/L; beam drawn to scale".into(),
-        x: Axis::linear("x [m]", -0.3, 1.1),
+        title: "Shares of the moment 2π EI/L, drawn to scale".into(),
+        x: Axis::linear("x [m]", -0.28, 1.12),
         y: Axis::linear("y [m]", -0.1, 0.8),
         series: rolling,
         notes: notes.map(|(at, note)| (at, note.into())).into(),
@@ -87,14 +87,14 @@ fn roll_up(directory: &Path) -> Made {
     let origin = vec![[0.0, 0.0]];
     close.push(Series::new("", colour::BLACK, Stroke::Crosses, origin));
     let gap = Panel {
-        title: "Close view at the full moment: end of the beam over the clamp".into(),
+        title: "Close view of the end at the full moment".into(),
         x: Axis::linear("x [m]", -0.045, 0.045),
         y: Axis::linear("y [m]", -0.03, 0.028),
         series: close,
-        notes: vec![([0.002, -0.0265], "clamped end".into())],
+        notes: vec![([-0.010, -0.0245], "clamped end".into())],
     };
     Sheet {
-        size: [1800, 940],
+        size: [1800, 681],
         columns: 2,
         legend: 4,
         panels: vec![shapes, gap],
@@ -116,7 +116,7 @@ fn convergence(study: &Study, directory: &Path) -> Made {
         colour::PINK,
         colour::GREY,
         colour::SKY,
-        colour::BLACK,
+        colour::BROWN,
     ];
     let names = [
         "a1: conjugate to the rotation of r_y",
@@ -136,6 +136,8 @@ fn convergence(study: &Study, directory: &Path) -> Made {
         let points = study.over_meshes(case);
         curves.push(Series::new(names[k], tints[k], Stroke::Marked, points));
     }
+    // The default moment is drawn over the others.
+    curves.rotate_left(1);
     let reduced = study.over_meshes(Case::new(0, Rule::Reduced));
     let name = "a1 with the paper's rule";
     curves.push(Series::new(name, colour::ORANGE, Stroke::Marked, reduced));
@@ -154,13 +156,13 @@ fn convergence(study: &Study, directory: &Path) -> Made {
     let all = Panel {
         title: "Gap between the ends, R = 20 mm".into(),
         x: Axis::log("elements n", 2.0, 200.0),
-        y: Axis::log("gap [mm]", 2.0, 2000.0),
+        y: Axis::log("gap [mm]", 0.1, 2000.0),
         series: curves.clone(),
         notes: Vec::new(),
     };
     let near = Panel {
         title: "The same near the limits (dashed)".into(),
-        x: Axis::log("elements n", 15.0, 200.0),
+        x: Axis::log("elements n", 10.0, 200.0),
         y: Axis::linear("gap [mm]", 0.0, 30.0),
         series: curves,
         notes: Vec::new(),

@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::brush::{Brush, write_png};
 use crate::canvas::{clip, dashes, ticks};
 
 /// Colours that stay apart in print and for colour-blind readers (Okabe and Ito).
@@ -30,6 +31,8 @@ pub mod colour {
     pub const SKY: RGBColor = RGBColor(86, 180, 233);
     /// Sixth series.
     pub const AMBER: RGBColor = RGBColor(230, 159, 0);
+    /// Seventh series.
+    pub const BROWN: RGBColor = RGBColor(140, 90, 50);
     /// Guides.
     pub const GREY: RGBColor = RGBColor(130, 130, 130);
 }
@@ -174,8 +177,9 @@ impl Sheet {
         let path = directory.join(name);
         let svg = path.with_extension("svg");
         self.draw(SVGBackend::new(&svg, (width, height)).into_drawing_area())?;
-        let png = path.with_extension("png");
-        self.draw(BitMapBackend::new(&png, (width, height)).into_drawing_area())
+        let mut pixels = vec![255; 3 * (width * height) as usize];
+        self.draw(Brush::new(&mut pixels, (width, height)).into_drawing_area())?;
+        write_png(&path.with_extension("png"), &pixels, (width, height))
     }
 
     fn entries(&self) -> Vec<&Series> {
@@ -214,6 +218,7 @@ impl Sheet {
             };
             let at = |p: &[f64; 2]| [p[0] + f64::from(x), p[1] + f64::from(y)];
             stroke(&area, series, &sample.iter().map(at).collect::<Vec<_>>())?;
+            dots(&area, series, &[at(&[30.0, 0.0])])?;
             let style = text(TEXT, Pos::new(HPos::Left, VPos::Center));
             area.draw_text(&series.name, &style, (x + 74, y))?;
         }
@@ -239,20 +244,11 @@ where
     points.dedup();
     let line = series.colour.stroke_width(4);
     match series.stroke {
-        Stroke::Solid => area.draw(&PathElement::new(points, line))?,
+        Stroke::Solid | Stroke::Marked => area.draw(&PathElement::new(points, line))?,
         Stroke::Dashed => {
             for dash in dashes(pixels, 16.0, 11.0) {
                 let dash: Vec<_> = dash.iter().map(round).collect();
                 area.draw(&PathElement::new(dash, line))?;
-            }
-        }
-        Stroke::Marked => {
-            area.draw(&PathElement::new(
-                points.clone(),
-                series.colour.stroke_width(3),
-            ))?;
-            for point in points {
-                area.draw(&Circle::new(point, 7, series.colour.filled()))?;
             }
         }
         Stroke::Crosses => {
@@ -267,6 +263,21 @@ where
             area.draw(&Polygon::new(points.clone(), series.colour.mix(0.25)))?;
             points.extend(points.first().copied());
             area.draw(&PathElement::new(points, series.colour.stroke_width(2)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws the dots of a marked series at points in pixels.
+fn dots<DB>(area: &DrawingArea<DB, Shift>, series: &Series, pixels: &[[f64; 2]]) -> Drawn
+where
+    DB: DrawingBackend,
+    DB::ErrorType: 'static,
+{
+    if series.stroke == Stroke::Marked {
+        for [x, y] in pixels {
+            let centre = (x.round() as i32, y.round() as i32);
+            area.draw(&Circle::new(centre, 7, series.colour.filled()))?;
         }
     }
     Ok(())
@@ -316,6 +327,10 @@ impl Panel {
             for piece in clip(&pixels, [left, top, right, bottom]) {
                 stroke(area, series, &piece)?;
             }
+            let inside =
+                |[x, y]: &&[f64; 2]| (left..=right).contains(x) && (top..=bottom).contains(y);
+            let inside: Vec<_> = pixels.iter().filter(inside).copied().collect();
+            dots(area, series, &inside)?;
         }
         for ([x, y], note) in &self.notes {
             let style = text(TEXT - 2, Pos::new(HPos::Left, VPos::Center));
