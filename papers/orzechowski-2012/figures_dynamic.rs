@@ -231,7 +231,7 @@ pub fn fixed_steps(study: &fixed_step::Study, directory: &Path) -> Made {
             y: Axis::log("|energy error| [J]", 1e-7, 1e5),
             series,
             notes: match refresh {
-                Refresh::Never => vec![([0.6, 3e-4], "1 to 10 ms: ends at once".into())],
+                Refresh::Never => vec![([0.4, 0.1], "1 to 10 ms: fails within 0.12 s".into())],
                 _ => Vec::new(),
             },
         });

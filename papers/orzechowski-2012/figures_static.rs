@@ -42,19 +42,19 @@ fn roll_up(directory: &Path) -> Made {
     let name = "n = 20, exact rule";
     rolling.push(outline(beam, 1.0, name, colour::BLUE)?);
     let notes = [
-        ([1.01, 0.0], "M = 0"),
+        ([0.82, 0.055], "M = 0"),
         ([0.91, 0.395], "1/8"),
         ([0.62, 0.665], "1/4"),
         ([0.33, 0.76], "3/8"),
         ([-0.09, 0.64], "1/2"),
-        ([-0.27, 0.44], "5/8"),
-        ([-0.22, 0.17], "3/4"),
-        ([-0.15, 0.01], "7/8"),
+        ([-0.27, 0.46], "5/8"),
+        ([-0.315, 0.19], "3/4"),
+        ([-0.235, 0.02], "7/8"),
         ([-0.05, 0.16], "2π EI/L"),
     ];
     let shapes = Panel {
         title: "Shares of the moment 2π EI/L, drawn to scale".into(),
-        x: Axis::linear("x [m]", -0.28, 1.12),
+        x: Axis::linear("x [m]", -0.35, 1.05),
         y: Axis::linear("y [m]", -0.1, 0.8),
         series: rolling,
         notes: notes.map(|(at, note)| (at, note.into())).into(),

@@ -90,13 +90,18 @@ impl Specimen {
     }
 
     /// The pendulum of section 5.2: pinned at the origin, horizontal, at rest, under gravity.
+    /// A component of gravity `sideways` (m/s^2) takes it out of its plane.
     ///
     /// # Errors
     /// Whatever the library refuses.
-    pub fn pendulum(&self, section: impl Section<f64>) -> Result<(System<f64, 3>, Placed)> {
+    pub fn pendulum(
+        &self,
+        section: impl Section<f64>,
+        sideways: f64,
+    ) -> Result<(System<f64, 3>, Placed)> {
         let (mut scene, beam) = self.scene(section, Some(DENSITY))?;
         scene.pin(beam.start())?;
-        scene.gravity([0.0, -GRAVITY, 0.0])?;
+        scene.gravity([0.0, -GRAVITY, sideways])?;
         Ok((scene.assemble()?, beam))
     }
 

@@ -50,7 +50,7 @@ impl Case {
             poisson: self.poisson,
             rule: self.rule,
         };
-        let (system, beam) = specimen.pendulum(Disk::new(RADIUS)?)?;
+        let (system, beam) = specimen.pendulum(Disk::new(RADIUS)?, 0.0)?;
         let (method, stepping) = match self.steps {
             Steps::Fixed(step) => (Newmark::trapezoidal(), Stepping::Fixed(step)),
             Steps::Controlled(estimator) => (
