@@ -72,7 +72,7 @@ pub fn pendulum(study: &pendulum::Study, refs: &References) -> Checked {
     if let Some(track) = study.full(40, 0.3, LI, 2.0) {
         claims.push(Claim::close(
             "5.2",
-            "nu = 0.3 is wrong by Poisson locking: x(1 s), n = 40 (rod: -0.9635)",
+            "nu = 0.3 is wrong by Poisson locking: x(1 s), n = 40 (rod: -0.9648)",
             "suspected",
             (track.at(1.0)?.tip[0], "m"),
             -0.92525,

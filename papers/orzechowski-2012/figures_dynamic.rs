@@ -50,7 +50,7 @@ pub fn trajectories(study: &pendulum::Study, refs: &References, directory: &Path
                 Stroke::Dashed,
                 points,
             ));
-            let range = if c == 0 { [-1.0, 1.0] } else { [-1.25, 0.25] };
+            let range = if c == 0 { [-1.2, 1.2] } else { [-1.25, 0.25] };
             panels.push(Panel {
                 title: format!("Tip, {label}(t), ν = {poisson}"),
                 x: Axis::linear("time [s]", 0.0, 2.0),
