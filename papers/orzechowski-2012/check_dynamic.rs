@@ -169,6 +169,13 @@ pub fn fixed_steps(study: &fixed_step::Study) -> Vec<Claim> {
         ),
         Claim::holds(
             "5.2",
+            "the same with the paper's reduced rule",
+            "a cause",
+            (reached(Case::reduced(EverySolve, 1e-2)), "s"),
+            0.05..=0.5,
+        ),
+        Claim::holds(
+            "5.2",
             "full Newton survives the paper's 2 s at 10 ms: time reached",
             "-",
             (reached(Case::disk(EveryIteration, 1e-2)), "s"),

@@ -37,6 +37,8 @@ pub struct Case {
     pub step: f64,
     /// Residual at which an iteration is taken as converged, relative to the forces.
     pub residual: f64,
+    /// Integration rule.
+    pub rule: Rule,
 }
 
 /// The residual tolerance of the study.
@@ -50,6 +52,15 @@ impl Case {
             refresh,
             step,
             residual: RESIDUAL,
+            rule: Rule::Full,
+        }
+    }
+
+    /// The same run with the paper's reduced rule.
+    pub fn reduced(refresh: Refresh, step: f64) -> Self {
+        Self {
+            rule: Rule::Reduced,
+            ..Self::disk(refresh, step)
         }
     }
 
@@ -84,7 +95,7 @@ impl Case {
             elements: 6,
             young: YOUNG,
             poisson: 0.0,
-            rule: Rule::Full,
+            rule: self.rule,
         };
         let side = (3.0 * std::f64::consts::PI).powf(0.25) * RADIUS;
         let (system, beam) = match self.shape {
@@ -126,6 +137,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..Case::disk(Never, 1e-4)
         });
     }
+    cases.push(Case::reduced(EverySolve, 1e-2));
     for step in [1e-3, 2e-3, 5e-3, 1e-2] {
         for refresh in [EveryIteration, EverySolve, Never] {
             cases.push(Case::disk(refresh, step));

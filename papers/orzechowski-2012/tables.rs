@@ -130,6 +130,7 @@ pub fn fixed_step(study: &fixed_step::Study, directory: &Path) -> Made {
     let rows = study.runs().iter().map(|(case, run)| {
         [
             format!("{:?}", case.shape),
+            case.rule.name(),
             case.tangent().into(),
             case.step.to_string(),
             case.residual.to_string(),
@@ -143,6 +144,7 @@ pub fn fixed_step(study: &fixed_step::Study, directory: &Path) -> Made {
     });
     let headings = [
         "section",
+        "rule",
         "tangent_renewed",
         "step_s",
         "residual",
