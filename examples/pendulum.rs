@@ -34,7 +34,7 @@ fn main() -> Result<()> {
     for tenth in 1..=20 {
         run.until(0.1 * f64::from(tenth), Stepping::Fixed(1e-3), |_| {})?;
         let [x, y, _] = system.position(run.state(), beam.end())?;
-        let error = system.energies(run.state()).balance();
+        let error = system.energies(run.state())?.balance();
         println!("{:7.2} {x:8.4} {y:8.4} {error:12.1e}", run.state().time);
     }
     let report = run.report();

@@ -81,7 +81,9 @@ pub enum Error {
         nodes: usize,
     },
     /// A coordinate that does not exist.
-    #[error("there is no coordinate {index}: the structure has {size}, counted from 0; ask System::coordinate for the index of a nodal vector")]
+    #[error(
+        "there is no coordinate {index}: the structure has {size}, counted from 0; ask System::coordinate for the index of a nodal vector"
+    )]
     NoSuchCoordinate {
         /// The index given.
         index: usize,

@@ -78,8 +78,8 @@ pub mod prelude {
     pub use crate::integrator::{
         Adaptive, Estimator, Integration, Method, Newmark, RunReport, Scheme, Step, Stepping,
     };
-    pub use crate::quadrature::Cubature;
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
+    pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
     pub use crate::section::{Annulus, Disk, Rectangle, Section};

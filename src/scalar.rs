@@ -409,6 +409,6 @@ mod tests {
     fn duals_are_finite_only_with_their_derivatives() {
         assert!(Dual::new(1.0, 2.0).finite());
         assert!(!Dual::new(1.0, f64::NAN).finite());
-        assert!(!DualSVec::<f64, 2>::new(f64::INFINITY, num_dual::Derivative::none()).finite());
+        assert!(!DualSVec::<f64, 2>::new(f64::INFINITY, Derivative::none()).finite());
     }
 }

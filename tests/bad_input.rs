@@ -195,7 +195,7 @@ fn supports_and_loads() {
     let torsion = Moment::new([2.5, 0.0, 0.0], MomentLaw::TangentTraction);
     names(
         scene.moment(beam.end(), torsion),
-        &["torsional moment 2.5", "SlopeRotation"],
+        &["2.5", "axis 0", "MeanRotation"],
     );
     let slope = Moment::new([0.0, 0.0, 1.0], MomentLaw::SlopeRotation(3));
     names(scene.moment(beam.end(), slope), &["slope 3", "D - 1"]);
@@ -406,4 +406,62 @@ fn analytical_solutions() {
         &["397887", "reduce the moment"],
     );
     names(Elastica::under_transverse_load(f64::NAN), &["NaN"]);
+}
+
+#[test]
+fn states_of_another_system() {
+    let (scene, beam) = scene();
+    let system = scene.assemble().unwrap();
+    let mut short = system.rest();
+    short.displacement.truncate(7);
+    names(system.position(&short, beam.end()), &["7", "60"]);
+    names(system.displacement(&short, beam.end()), &["7", "60"]);
+    names(
+        system.point(&short, beam.end(), 0.5, [0.0; 3]),
+        &["7", "60"],
+    );
+    names(system.energies(&short), &["7", "60"]);
+    names(
+        system.set_rigid_velocity(&mut short, [0.0; 3], [0.0; 3]),
+        &["7", "60"],
+    );
+    names(
+        system.point(&system.rest(), beam.end(), f64::NAN, [0.0; 3]),
+        &["NaN"],
+    );
+    let mut state = system.rest();
+    names(
+        system.set_rigid_velocity(&mut state, [f64::NAN, 0.0, 0.0], [0.0; 3]),
+        &["NaN"],
+    );
+    let method = Newmark::trapezoidal();
+    let mut run = Integration::start(&system, system.rest(), &method).unwrap();
+    let result = run.until(1e-3, Stepping::Fixed(1e-3), |step| {
+        step.displacement_at(step.after.time, 60).map(|_| ())
+    });
+    names(result, &["no coordinate 60", "60"]);
+}
+
+/// Sizes at the ends of the number range are refused by name, not answered with a wrong rank or
+/// an endless loop.
+#[test]
+fn sizes_beyond_the_number_range() {
+    names(Steel::isotropic(1e308, 0.4999), &["modulus", "inf"]);
+    let disk = Disk::new(1e-100).unwrap();
+    let beam = Beam::new(FullyParameterised, disk, Continuum::full(steel()));
+    let result = Scene::<f64, 3>::new().add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1));
+    names(result, &["second moment", "0"]);
+}
+
+/// Along its own slope a moment could do no work and would be lost.
+#[test]
+fn moments_that_a_law_cannot_carry() {
+    let (mut scene, beam) = scene();
+    for law in [MomentLaw::SlopeRotation(1), MomentLaw::FollowerCouple(1)] {
+        let lost = Moment::new([0.0, 12.5, 0.0], law);
+        names(
+            scene.moment(beam.end(), lost),
+            &["12.5", "axis 1", "another slope"],
+        );
+    }
 }

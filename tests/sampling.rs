@@ -164,3 +164,39 @@ fn plane_and_space_store_the_same_energy() {
         );
     }
 }
+
+/// Flat sections and nearly incompressible materials are no mechanisms.
+#[test]
+fn flat_sections_and_extreme_poisson_ratios_have_full_rank() {
+    for ratio in [1e-2, 1e-5, 1e4] {
+        let flat = Rectangle::new(0.1 * ratio, 0.1).unwrap();
+        kernel_of::<3, 8, _>(&Continuum::full(steel()), &flat).unwrap();
+    }
+    for nu in [-0.99, 0.49, 0.4999, 0.499999] {
+        let solid = SaintVenantKirchhoff::<f64, 3>::isotropic(2e11, nu).unwrap();
+        let disk = Disk::new(0.1).unwrap();
+        kernel_of::<3, 8, _>(&Continuum::full(solid), &disk).unwrap();
+        kernel_of::<3, 8, _>(&Continuum::selective_reduced(solid), &disk).unwrap();
+    }
+    let single = SaintVenantKirchhoff::<f32, 3>::isotropic(2e11, 0.3).unwrap();
+    for section in [
+        Rectangle::new(0.001_f32, 0.1).unwrap(),
+        Rectangle::new(0.1, 0.1).unwrap(),
+    ] {
+        let mut scene = Scene::<f32, 3>::new();
+        let beam = Beam::new(FullyParameterised, section, Continuum::full(single));
+        scene
+            .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1))
+            .unwrap();
+        let beam = Beam::new(
+            FullyParameterised,
+            section,
+            Continuum::sampled(single, 2, 5),
+        );
+        assert!(
+            scene
+                .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1))
+                .is_err()
+        );
+    }
+}

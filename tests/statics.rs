@@ -425,3 +425,247 @@ fn statics_run_in_single_precision() {
         "{single} not {double}"
     );
 }
+
+/// A solved state is a starting point like any other: solving again stays there, and a new load
+/// is reached from it.
+#[test]
+fn statics_goes_on_from_any_state() {
+    let (young, radius) = (2.0e11, 0.02_f64);
+    let steel = Steel::isotropic(young, 0.0).unwrap();
+    let mut scene = Scene::<f64, 3>::new();
+    let beam = Beam::new(
+        FullyParameterised,
+        Disk::new(radius).unwrap(),
+        Continuum::full(steel),
+    );
+    let beam = scene
+        .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 10))
+        .unwrap();
+    scene.clamp(beam.start()).unwrap();
+    let moment = 2.0 * PI * young * PI * radius.powi(4) / 4.0;
+    // Time stands for the share of the full moment.
+    scene
+        .moment_in_time(beam.end(), Moment::about_z(moment), |t| t)
+        .unwrap();
+    let system = scene.assemble().unwrap();
+    let mut state = system.rest();
+    let mut ends = Vec::new();
+    for time in [0.5, 1.0, 1.0, 0.25] {
+        state.time = time;
+        Statics::in_steps(10).solve(&system, &mut state).unwrap();
+        ends.push(system.position(&state, beam.end()).unwrap());
+    }
+    let far = |a: [f64; 3], b: [f64; 3]| (0..3).map(|c| (a[c] - b[c]).abs()).sum::<f64>();
+    assert!(far(ends[1], ends[2]) < 1e-9);
+    let mut direct = system.rest();
+    direct.time = 0.25;
+    Statics::in_steps(10).solve(&system, &mut direct).unwrap();
+    assert!(far(ends[3], system.position(&direct, beam.end()).unwrap()) < 1e-8);
+}
+
+/// A heavy load, on a support or on another beam, does not hide a light one.
+#[test]
+fn heavy_neighbours_do_not_hide_a_light_beam() {
+    let steel = Steel::isotropic(2e11, 0.3).unwrap();
+    let formulation = Continuum::selective_reduced(steel);
+    let place = |scene: &mut Scene<f64, 3>, radius: f64, length: f64, y: f64| {
+        let disk = Disk::new(radius).unwrap();
+        let beam = Beam::new(FullyParameterised, disk, formulation.clone());
+        let beam = beam
+            .straight([0.0, y, 0.0], [length, y, 0.0], 8)
+            .density(7800.0);
+        scene.add(beam).unwrap()
+    };
+    let mut scene = Scene::<f64, 3>::new();
+    let heavy = place(&mut scene, 1.0, 100.0, 0.0);
+    let light = place(&mut scene, 3e-4, 0.1, 5.0);
+    scene.clamp(heavy.start()).unwrap();
+    scene.clamp(heavy.end()).unwrap();
+    scene.clamp(light.start()).unwrap();
+    scene.force(heavy.start(), [0.0, 1e11, 0.0]).unwrap();
+    scene.gravity([0.0, -9.81, 0.0]).unwrap();
+    let system = scene.assemble().unwrap();
+    let mut state = system.rest();
+    Statics::default().solve(&system, &mut state).unwrap();
+    let tip = system.displacement(&state, light.end()).unwrap()[1];
+    // rho A g L^4 / (8 E I).
+    let exact = -7800.0 * 9.81 * 0.1_f64.powi(4) / (8.0 * 2e11 * 9e-8 / 4.0);
+    assert!((tip / exact - 1.0).abs() < 1e-2, "{tip} not {exact}");
+}
+
+/// Derivatives are found where the value needs no iteration: at zero load, and from a state that
+/// is already in equilibrium.
+#[test]
+fn derivatives_need_no_residual() {
+    use num_dual::Dual64;
+    let run = |force: Dual64, start: Option<&[f64]>| {
+        let lift = Dual64::from_re;
+        let mut scene = Scene::<Dual64, 3>::new();
+        let solid = SaintVenantKirchhoff::isotropic(lift(2e11), lift(0.0)).unwrap();
+        let disk = Disk::new(lift(5e-3)).unwrap();
+        let beam = Beam::new(FullyParameterised, disk, Continuum::full(solid));
+        let ends = ([lift(0.0); 3], [lift(1.0), lift(0.0), lift(0.0)]);
+        let beam = scene.add(beam.straight(ends.0, ends.1, 4)).unwrap();
+        scene.clamp(beam.start()).unwrap();
+        scene
+            .force(beam.end(), [lift(0.0), force, lift(0.0)])
+            .unwrap();
+        let system = scene.assemble().unwrap();
+        let mut state = system.rest();
+        if let Some(start) = start {
+            state.displacement = start.iter().map(|u| lift(*u)).collect();
+        }
+        Statics::default().solve(&system, &mut state).unwrap();
+        let tip = system.displacement(&state, beam.end()).unwrap()[1];
+        let plain: Vec<f64> = state.displacement.iter().map(|u| u.re).collect();
+        (tip, plain)
+    };
+    let seed = |f| Dual64::from_re(f).derivative();
+    let at_rest = run(seed(0.0), None).0.eps;
+    let bending = 2e11 * PI * 5e-3_f64.powi(4) / 4.0;
+    let exact = (1.0 - 1.0 / 64.0) / (3.0 * bending) + 1.0 / (1e11 * PI * 25e-6);
+    assert!(
+        (at_rest / exact - 1.0).abs() < 1e-5,
+        "{at_rest} not {exact}"
+    );
+    let (cold, plain) = run(seed(50.0), None);
+    let warm = run(seed(50.0), Some(&plain)).0;
+    assert!(
+        (warm.eps / cold.eps - 1.0).abs() < 1e-9,
+        "{} not {}",
+        warm.eps,
+        cold.eps
+    );
+}
+
+/// Moments about both cross axes bend the way they should, by every law that can carry them, in
+/// space and in the plane.
+#[test]
+fn every_moment_law_bends_the_right_way() {
+    use MomentLaw::{
+        FollowerCouple, MeanRotation, PiolaTraction, PolarRotation, SlopeRotation, TangentTraction,
+    };
+    let (young, radius, moment) = (2e11, 5e-3_f64, 0.1);
+    let slope = moment / (young * PI * radius.powi(4) / 4.0);
+    let turned = |vector: [f64; 3], law| {
+        let steel = Steel::isotropic(young, 0.0).unwrap();
+        let mut scene = Scene::<f64, 3>::new();
+        let disk = Disk::new(radius).unwrap();
+        let beam = Beam::new(FullyParameterised, disk, Continuum::full(steel));
+        let beam = scene
+            .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 4))
+            .unwrap();
+        scene.clamp(beam.start()).unwrap();
+        scene.moment(beam.end(), Moment::new(vector, law)).unwrap();
+        let system = scene.assemble().unwrap();
+        let mut state = system.rest();
+        Statics::default().solve(&system, &mut state).unwrap();
+        system
+            .vector(&state, beam.end(), NodalVector::Slope(0))
+            .unwrap()
+    };
+    let about_z = [
+        SlopeRotation(1),
+        SlopeRotation(0),
+        FollowerCouple(1),
+        TangentTraction,
+        PiolaTraction,
+        MeanRotation,
+        PolarRotation,
+    ];
+    for law in about_z {
+        let [_, y, z] = turned([0.0, 0.0, moment], law);
+        assert!(
+            (y / slope - 1.0).abs() < 1e-3 && z.abs() < 1e-9,
+            "{law:?}: {y} {z}, not {slope}"
+        );
+    }
+    let about_y = [
+        SlopeRotation(2),
+        SlopeRotation(0),
+        FollowerCouple(2),
+        TangentTraction,
+        PiolaTraction,
+        MeanRotation,
+        PolarRotation,
+    ];
+    for law in about_y {
+        let [_, y, z] = turned([0.0, moment, 0.0], law);
+        assert!(
+            (z / slope + 1.0).abs() < 1e-3 && y.abs() < 1e-9,
+            "{law:?}: {y} {z}, not -{slope}"
+        );
+    }
+    for law in about_z {
+        let steel = SaintVenantKirchhoff::<f64, 2>::isotropic(young, 0.0).unwrap();
+        let mut scene = Scene::<f64, 2>::new();
+        let disk = Disk::new(radius).unwrap();
+        let beam = Beam::new(FullyParameterised, disk, Continuum::full(steel));
+        // Along a slanted line: nothing may depend on the global axes.
+        let beam = scene.add(beam.straight([0.0; 2], [0.6, 0.8], 8)).unwrap();
+        scene.clamp(beam.start()).unwrap();
+        scene
+            .moment(beam.end(), Moment::new([0.0, 0.0, 100.0 * moment], law))
+            .unwrap();
+        let system = scene.assemble().unwrap();
+        let mut state = system.rest();
+        let report = Statics::default().solve(&system, &mut state).unwrap();
+        let [x, y] = system
+            .vector(&state, beam.end(), NodalVector::Slope(0))
+            .unwrap();
+        let angle = y.atan2(x) - 0.8_f64.atan2(0.6);
+        assert!(
+            (angle / (100.0 * slope) - 1.0).abs() < 2e-2,
+            "{law:?}: {angle}"
+        );
+        assert!(
+            report.iterations <= 7,
+            "{law:?}: {report:?}: a wrong tangent is slow"
+        );
+    }
+}
+
+/// Polar rotation, from an independent evaluation (mm).
+#[test]
+fn polar_rotation_rolls_up_as_known() {
+    for (n, truth) in [(10, 107.739), (20, 6.2592), (40, 19.4505)] {
+        let gap = rolled_up(n, 0.02, MomentLaw::PolarRotation, Continuum::full);
+        assert!((gap - truth).abs() < 1e-3, "{n} elements: {gap} mm");
+    }
+}
+
+/// Points of the beam off its nodes and off its axis: on a straight stretch they are where the
+/// stretch puts them, in a deformed section they follow the slopes.
+#[test]
+fn any_point_of_a_beam_can_be_found() {
+    let steel = Steel::isotropic(2e11, 0.0).unwrap();
+    let mut scene = Scene::<f64, 3>::new();
+    let section = Rectangle::new(0.02, 0.01).unwrap();
+    let beam = Beam::new(FullyParameterised, section, Continuum::full(steel));
+    let beam = scene
+        .add(beam.straight([1.0, 0.0, 0.0], [3.0, 0.0, 0.0], 4))
+        .unwrap();
+    // Held without a clamp, which would keep the axis from stretching at its node.
+    scene.pin(beam.start()).unwrap();
+    scene
+        .fix(beam.start(), NodalVector::Slope(0), [false, true, true])
+        .unwrap();
+    scene
+        .fix(beam.start(), NodalVector::Slope(1), [false, false, true])
+        .unwrap();
+    scene.force(beam.end(), [4e5, 0.0, 0.0]).unwrap();
+    let system = scene.assemble().unwrap();
+    let mut state = system.rest();
+    Statics::default().solve(&system, &mut state).unwrap();
+    let strain = system.displacement(&state, beam.end()).unwrap()[0] / 2.0;
+    // St Venant-Kirchhoff: N = E A (1 + e) (e + e^2 / 2).
+    let force = 4e7 * (1.0 + strain) * strain * (1.0 + strain / 2.0);
+    assert!((force / 4e5 - 1.0).abs() < 1e-10, "{force}");
+    for s in [0.0, 0.1, 0.25, 0.6, 1.0] {
+        let [x, y, z] = system
+            .point(&state, beam.start(), s, [0.0, 0.01, -0.005])
+            .unwrap();
+        let exact = 1.0 + 2.0 * s * (1.0 + strain);
+        assert!((x - exact).abs() < 1e-12 && (y - 0.01).abs() < 1e-12 && (z + 0.005).abs() < 1e-12);
+    }
+}

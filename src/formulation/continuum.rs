@@ -2,8 +2,8 @@
 //! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
 //! of [`Layer`]s: which part of the material is sampled with which rule.
 
-use super::rank::check_rank;
 use super::law::ContinuumSection;
+use super::rank::check_rank;
 use super::sampled::{Sample, SampledKernel, section_linear};
 use super::{Formulation, Reference, section_points};
 use crate::element::Element;
@@ -138,7 +138,9 @@ impl<M> Continuum<M> {
         }
         if !section_linear(element, reference.length) {
             return Err(Error::Unsupported {
-                what: format!("a continuum of {element:?}, whose shape functions are not linear across the section"),
+                what: format!(
+                    "a continuum of {element:?}, whose shape functions are not linear across the section"
+                ),
                 remedy: "use an element whose position is linear in the cross coordinates",
             });
         }

@@ -40,8 +40,13 @@ where
     };
     let size = S * D;
     let target = size - rigid_modes(element, &reference);
-    let rank_of =
-        |trial| -> Result<usize> { Ok(rank(&make(trial, &reference, section)?, element, &reference)) };
+    let rank_of = |trial| -> Result<usize> {
+        Ok(rank(
+            &make(trial, &reference, section)?,
+            element,
+            &reference,
+        ))
+    };
     let rank = rank_of(None)?;
     if rank >= target {
         return Ok(());
@@ -86,7 +91,10 @@ impl<'a, R: Real> Stocky<'a, R> {
         let area = positive("area of the section [m^2]", properties.area)?;
         let stretch = |moment: R| {
             let moment = positive("second moment of the section [m^4]", moment)?;
-            positive("radius of gyration of the section [m]", Field::sqrt(area / moment))
+            positive(
+                "radius of gyration of the section [m]",
+                Field::sqrt(area / moment),
+            )
         };
         let (y, z) = (stretch(properties.izz)?, stretch(properties.iyy)?);
         let stretch = [[y, R::zero()], [R::zero(), z]];
@@ -96,7 +104,9 @@ impl<'a, R: Real> Stocky<'a, R> {
 
 impl<R: Real> Section<R> for Stocky<'_, R> {
     fn rule(&self, degree: usize) -> Result<Cubature<R, 2>> {
-        self.section.rule(degree)?.affine(self.stretch, [R::zero(); 2])
+        self.section
+            .rule(degree)?
+            .affine(self.stretch, [R::zero(); 2])
     }
 
     fn outline(&self, n: usize) -> Vec<Vec<[R; 2]>> {
@@ -176,5 +186,7 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
         return 0;
     }
     let eigen = SymmetricEigen::try_new(scaled, f64::EPSILON, 10_000);
-    eigen.map_or(0, |e| e.eigenvalues.iter().filter(|v| v.abs() > zero).count())
+    eigen.map_or(0, |e| {
+        e.eigenvalues.iter().filter(|v| v.abs() > zero).count()
+    })
 }

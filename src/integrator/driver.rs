@@ -103,6 +103,27 @@ impl<R: Real> Step<'_, R> {
     }
 }
 
+/// What an observer may return: nothing, or a [`Result`] whose error ends the run after the step.
+pub trait Observation {
+    /// The observation as a result.
+    ///
+    /// # Errors
+    /// The observer's own.
+    fn result(self) -> Result<()>;
+}
+
+impl Observation for () {
+    fn result(self) -> Result<()> {
+        Ok(())
+    }
+}
+
+impl Observation for Result<()> {
+    fn result(self) -> Result<()> {
+        self
+    }
+}
+
 /// A run in progress: a structure, a method with its workspace, and the state it has reached.
 ///
 /// ```
@@ -195,13 +216,14 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     ///
     /// # Errors
     /// For an end that lies before the state's time, steps that are not positive, and
-    /// [`Error::StepFailed`] when a fixed step fails or an adaptive one shrinks below its limit;
+    /// [`Error::StepFailed`] when a fixed step fails or an adaptive one shrinks below its limit, and
+    /// those of the observer;
     /// the last good state is kept and the run can go on with other settings.
-    pub fn until(
+    pub fn until<O: Observation>(
         &mut self,
         end: R,
         stepping: Stepping,
-        mut observe: impl FnMut(Step<'_, R>),
+        mut observe: impl FnMut(Step<'_, R>) -> O,
     ) -> Result<()> {
         finite("end of the run [s]", end)?;
         if end < self.state.time {
@@ -220,7 +242,12 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         }
     }
 
-    fn fixed(&mut self, end: R, step: R, observe: &mut impl FnMut(Step<'_, R>)) -> Result<()> {
+    fn fixed<O: Observation>(
+        &mut self,
+        end: R,
+        step: R,
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<()> {
         // Whole steps are counted, not summed, so that rounding adds no sliver at the end.
         let start = self.state.time;
         let count = ((end - start) / step).value();
@@ -228,22 +255,22 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         for n in 1..=whole as u64 {
             self.step(step)?;
             self.state.time = start + step * R::lit(n as f64);
-            observe(self.last());
+            observe(self.last()).result()?;
         }
         let rest = end - self.state.time;
         if rest > step * R::lit(1e-6) {
             self.step(rest)?;
             self.state.time = end;
-            observe(self.last());
+            observe(self.last()).result()?;
         }
         Ok(())
     }
 
-    fn adaptive(
+    fn adaptive<O: Observation>(
         &mut self,
         end: R,
         control: &Adaptive,
-        observe: &mut impl FnMut(Step<'_, R>),
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
     ) -> Result<()> {
         for (what, value) in [
             ("tolerance of the local error", control.tolerance),
@@ -275,7 +302,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                     let (accepted, factor) = self.judge(control);
                     if accepted {
                         self.accept();
-                        observe(self.last());
+                        observe(self.last()).result()?;
                     }
                     (factor, (!accepted).then_some(None))
                 }

@@ -5,7 +5,7 @@
 mod driver;
 mod newmark;
 
-pub use driver::{Adaptive, Integration, RunReport, Step, Stepping};
+pub use driver::{Adaptive, Integration, Observation, RunReport, Step, Stepping};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
 
 use crate::error::Result;

@@ -87,6 +87,7 @@ impl<T: Field, const N: usize> Sub for Jet<T, N> {
 }
 impl<T: Field, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let product = |a, b| a * other.re + b * self.re;
@@ -95,6 +96,7 @@ impl<T: Field, const N: usize> Mul for Jet<T, N> {
 }
 impl<T: Field, const N: usize> Div for Jet<T, N> {
     type Output = Self;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the quotient rule")]
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let inverse = other.re.recip();

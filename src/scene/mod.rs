@@ -125,7 +125,9 @@ impl<R: Real, const D: usize> Scene<R, D> {
         })
     }
 
-    /// Fixes every coordinate of a node, slopes included.
+    /// Fixes every coordinate of a node, slopes included, as the paper does. The section cannot
+    /// contract and the axis cannot stretch there, which a short element feels under axial load;
+    /// [`fix`](Self::fix) holds less.
     ///
     /// # Errors
     /// When the beam has no such node.

@@ -199,12 +199,7 @@ impl<R: Real, const D: usize> System<R, D> {
     ///
     /// # Errors
     /// When the state is of another system's size or a component is not finite.
-    pub fn set_rigid_velocity(
-        &self,
-        state: &mut State<R>,
-        v: [R; D],
-        omega: [R; 3],
-    ) -> Result<()> {
+    pub fn set_rigid_velocity(&self, state: &mut State<R>, v: [R; D], omega: [R; 3]) -> Result<()> {
         self.check_size(state)?;
         for component in v.iter().chain(&omega) {
             finite("component of a rigid velocity", *component)?;
@@ -232,8 +227,16 @@ impl<R: Real, const D: usize> System<R, D> {
 
     fn check_size(&self, state: &State<R>) -> Result<()> {
         let size = self.reference.len();
-        Error::check_length("length of the displacements of a state", state.displacement.len(), size)?;
-        Error::check_length("length of the velocities of a state", state.velocity.len(), size)
+        Error::check_length(
+            "length of the displacements of a state",
+            state.displacement.len(),
+            size,
+        )?;
+        Error::check_length(
+            "length of the velocities of a state",
+            state.velocity.len(),
+            size,
+        )
     }
 
     /// Energy balance of a state; terms the scene does not have are zero. Allocates with a mass
@@ -248,7 +251,11 @@ impl<R: Real, const D: usize> System<R, D> {
         if self.mass.is_some() {
             let mut momentum = vec![R::zero(); u.len()];
             self.add_mass_times(R::one(), &state.velocity, &mut momentum);
-            let twice: R = momentum.iter().zip(&state.velocity).map(|(p, v)| *p * *v).sum();
+            let twice: R = momentum
+                .iter()
+                .zip(&state.velocity)
+                .map(|(p, v)| *p * *v)
+                .sum();
             kinetic = twice * R::lit(0.5);
         }
         let fall = |w: &Vec<R>| -w.iter().zip(u).map(|(w, u)| *w * *u).sum::<R>();
@@ -335,13 +342,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         Ok(())
     }
 
-    fn add_tangent(
-        &self,
-        time: R,
-        factor: R,
-        u: &[R],
-        k: &mut BandMatrix<R>,
-    ) -> Result<()> {
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut BandMatrix<R>) -> Result<()> {
         for body in &self.bodies {
             body.elastic().tangent(u, k)?;
         }

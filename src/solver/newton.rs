@@ -190,7 +190,8 @@ impl<R: Real> Workspace<R> {
                 return Err(self.unconverged(solved, "the residual is not finite"));
             }
             let corrected_by = |least: f64| correction.is_some_and(|c| c <= R::lit(least));
-            let fell_to = |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
+            let fell_to =
+                |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
             let small = balance.residual <= balance.scale * R::lit(settings.residual);
             let floor = self.floor + balance.scale * R::lit(8.0 * R::EPSILON);
             let at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
@@ -301,7 +302,9 @@ impl<R: Real> Workspace<R> {
                     self.scratch[i] = predicted[i] + rate * self.moved[i];
                 }
                 structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
-                Ok(self.norms(structure, |w, i| [w.external[i], w.internal[i], w.inertia[i]]))
+                Ok(self.norms(structure, |w, i| {
+                    [w.external[i], w.internal[i], w.inertia[i]]
+                }))
             }
             None => Ok(self.norms(structure, |w, i| [w.external[i], w.internal[i], R::zero()])),
         }
@@ -325,7 +328,10 @@ impl<R: Real> Workspace<R> {
                 self.scratch[i] = R::zero();
                 continue;
             }
-            for (square, part) in squares.iter_mut().zip([residual, external, internal, inertia]) {
+            for (square, part) in squares
+                .iter_mut()
+                .zip([residual, external, internal, inertia])
+            {
                 let part = part * measure[i];
                 *square += part * part;
             }
@@ -370,7 +376,11 @@ impl<R: Real> Workspace<R> {
     fn fix<S: Structure<R> + ?Sized>(&mut self, structure: &S) -> Result<()> {
         for &i in structure.fixed() {
             let diagonal = self.tangent.get(i, i).abs();
-            let diagonal = if diagonal > R::zero() { diagonal } else { R::one() };
+            let diagonal = if diagonal > R::zero() {
+                diagonal
+            } else {
+                R::one()
+            };
             self.tangent.fix(i, diagonal)?;
         }
         Ok(())

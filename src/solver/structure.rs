@@ -44,13 +44,7 @@ pub trait Structure<R: Real> {
     ///
     /// # Errors
     /// When a load is not finite.
-    fn add_tangent(
-        &self,
-        time: R,
-        factor: R,
-        u: &[R],
-        k: &mut BandMatrix<R>,
-    ) -> Result<()>;
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut BandMatrix<R>) -> Result<()>;
 
     /// Whether a converged state is one the model can mean; by default every state is.
     ///
