@@ -166,6 +166,39 @@ pub enum Error {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// Two edges of an outline meet where they must not.
+    #[error(
+        "edge {} of loop {} meets edge {} of loop {} near ({:e}, {:e}) m (loop 0 is the outer one, edges count from zero): edges may meet only at the common end of two successive ones, so leave material or space between any others",
+        edges[0], loops[0], edges[1], loops[1], place[0], place[1]
+    )]
+    EdgesMeet {
+        /// The loops they belong to: 0 for the outer one, then the holes as given.
+        loops: [usize; 2],
+        /// Their positions in these loops, from zero.
+        edges: [usize; 2],
+        /// Where they meet, `(y, z)` (m).
+        place: [f64; 2],
+    },
+    /// A hole of an outline is not in the material.
+    #[error(
+        "hole {hole} of the outline {fault}: every hole must lie within the outer loop and apart from the other holes"
+    )]
+    HoleMisplaced {
+        /// Which hole, counted from 1 as given.
+        hole: usize,
+        /// Where it lies.
+        fault: &'static str,
+    },
+    /// No cubature with positive weights and points in the material was found.
+    #[error("no positive rule of degree {degree} was found for the outline ({cause}): {remedy}")]
+    NoRule {
+        /// The degree asked for.
+        degree: usize,
+        /// What failed.
+        cause: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A linear system has no unique solution.
     #[error(
         "the matrix is singular at unknown {unknown} (pivot {pivot:e}): check that the supports \

@@ -46,7 +46,7 @@
 //! |---|---|
 //! | [`scalar`] | what kernels and solvers need of a number |
 //! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
-//! | [`section`] | cross-sections: rectangle, disk, annulus |
+//! | [`section`] | cross-sections: rectangle, disk, annulus, ellipse, rolled profiles, anything given by its outline |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: the fully parameterised beam |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own |
@@ -82,7 +82,10 @@ pub mod prelude {
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
-    pub use crate::section::{Annulus, Disk, Rectangle, Section};
+    pub use crate::section::{
+        Annulus, Disk, Ellipse, Loop, Offset, Outline, Rectangle, Section, box_profile, c_profile,
+        i_profile, l_profile, t_profile,
+    };
     pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
 }
 

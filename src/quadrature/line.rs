@@ -9,7 +9,7 @@ use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
 
 /// Nodes with their weights, ascending, before rounding.
-pub(super) type Nodes<R> = Vec<(Twofold<R>, Twofold<R>)>;
+pub(crate) type Nodes<R> = Vec<(Twofold<R>, Twofold<R>)>;
 
 /// Recurrence of orthonormal polynomials,
 /// `root[k+1] p[k+1] = (x - alpha[k]) p[k] - root[k] p[k-1]`, with `p[0] = 1 / root[0]`, so that
@@ -162,7 +162,7 @@ fn eigenvalue<R: Real>(diagonal: &[R], off: &[R], k: usize) -> R {
 }
 
 /// Legendre nodes on the interval from 0 to 1, mirrored about its middle to the last bit.
-pub(super) fn legendre_nodes<R: Real>(n: usize) -> Result<Nodes<R>> {
+pub(crate) fn legendre_nodes<R: Real>(n: usize) -> Result<Nodes<R>> {
     let mut nodes = Recurrence::legendre(admissible(n)?).gauss()?;
     for i in 0..n / 2 {
         let (x, weight) = nodes[i];

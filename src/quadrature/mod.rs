@@ -6,6 +6,7 @@
 //! numbers do.
 
 mod disk;
+mod fit;
 mod line;
 mod project;
 mod twofold;
@@ -15,6 +16,9 @@ pub use line::{gauss_from_recurrence, gauss_legendre, gauss_legendre_on, gauss_r
 pub use project::project;
 
 pub(crate) use disk::{circle, wall};
+pub(crate) use fit::{Shape, Weighted, chebyshev, fit, pairs};
+pub(crate) use line::{Nodes, legendre_nodes};
+pub(crate) use twofold::Twofold;
 
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};

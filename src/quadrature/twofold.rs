@@ -13,7 +13,7 @@ use crate::scalar::Real;
 /// Knuth's and the error-free product Dekker's (1971), which need no fused multiply-add. The
 /// operations are differentiable: duals keep correct derivatives, in working precision.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Twofold<R> {
+pub(crate) struct Twofold<R> {
     hi: R,
     lo: R,
 }
@@ -50,41 +50,41 @@ fn exact_product<R: Real>(a: R, b: R) -> Twofold<R> {
 
 impl<R: Real> Twofold<R> {
     /// The number `x` itself.
-    pub(super) fn new(x: R) -> Self {
+    pub(crate) fn new(x: R) -> Self {
         let lo = R::zero();
         Self { hi: x, lo }
     }
 
     /// A constant that is exact in the working type.
-    pub(super) fn lit(x: f64) -> Self {
+    pub(crate) fn lit(x: f64) -> Self {
         Self::new(R::lit(x))
     }
 
     /// A count, exact below 2^24 in every type.
-    pub(super) fn count(n: usize) -> Self {
+    pub(crate) fn count(n: usize) -> Self {
         Self::lit(n as f64)
     }
 
     /// The circle constant. The sine of its rounded value is what the rounding left out.
-    pub(super) fn pi() -> Self {
+    pub(crate) fn pi() -> Self {
         let hi = R::from(R::Primitive::PI());
         Self { hi, lo: hi.sin() }
     }
 
     /// Rounded to the working type.
-    pub(super) fn round(self) -> R {
+    pub(crate) fn round(self) -> R {
         self.hi + self.lo
     }
 
     /// Square root of a number above zero.
-    pub(super) fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         let guess = Self::new(self.hi.sqrt());
         guess + (self - guess * guess) / (guess + guess)
     }
 
     /// Cosine and sine of an angle (rad) from zero to pi/4, by their Taylor series: libraries
     /// offer them in working precision only.
-    pub(super) fn cos_sin(self) -> (Self, Self) {
+    pub(crate) fn cos_sin(self) -> (Self, Self) {
         let mut term = Self::lit(1.0);
         let mut sums = [term, Self::lit(0.0)];
         let mut k = 0;

@@ -1,14 +1,23 @@
 //! Cross-sections of beams: shapes that give an integration rule of any degree, their outline
 //! for drawing and contact, their area and second moments, and their rule in a planar scene. An
 //! element knows its section only through the [`Section`] trait, so a shape of your own needs
-//! no more than a rule and an outline.
+//! no more than a rule and an outline; a shape of which only the outline is at hand is an
+//! [`Outline`], which finds its rules itself.
 
 mod annulus;
 mod disk;
+mod ellipse;
+mod offset;
+mod outline;
+mod profile;
 mod rectangle;
 
 pub use annulus::Annulus;
 pub use disk::Disk;
+pub use ellipse::Ellipse;
+pub use offset::Offset;
+pub use outline::{Loop, Outline};
+pub use profile::{box_profile, c_profile, i_profile, l_profile, t_profile};
 pub use rectangle::Rectangle;
 
 use std::fmt::Debug;
