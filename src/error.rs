@@ -7,8 +7,9 @@ use thiserror::Error;
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// A refused input or a failed solution. Numbers are reported in double precision whatever the
-/// number type of the model.
-#[derive(Debug, Clone, PartialEq, Error)]
+/// number type of the model. `Debug` prints the message, too, so that a `main` that returns a
+/// [`Result`] shows it.
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A quantity that must be finite and positive is not.
@@ -102,7 +103,7 @@ pub enum Error {
     },
     /// Newton's method found no equilibrium.
     #[error(
-        "Newton's method failed ({reason}) after {iterations} iterations at a relative residual of {residual:e}: take smaller steps, renew the tangent more often or allow more iterations"
+        "Newton's method failed ({reason}) after {iterations} iterations at a relative residual of {residual:.1e}: take smaller steps, renew the tangent more often or allow more iterations"
     )]
     Unconverged {
         /// What happened.
@@ -114,7 +115,7 @@ pub enum Error {
     },
     /// No static equilibrium under the full load.
     #[error(
-        "statics stopped at {reached} of the load, where even a step of {step:e} fails ({cause}): the state of the last equilibrium is kept; check the supports, look for a limit point, or allow more steps"
+        "statics stopped at {reached:.4} of the load: beyond may lie a limit point or buckling, or the load is too large (check its unit); the state of the last equilibrium is kept. The last step tried, {step:.1e} of the load, failed because {cause}"
     )]
     StaticsFailed {
         /// Share of the load reached.
@@ -126,7 +127,7 @@ pub enum Error {
     },
     /// A beam has been turned inside out: its slopes span a volume of the wrong sign.
     #[error(
-        "node {node} of beam {body} is turned inside out (volume ratio {ratio:e}): St Venant-Kirchhoff material has such equilibria under strong compression, but they mean nothing; take smaller steps or lower loads"
+        "node {node} of beam {body} is turned inside out (volume ratio {ratio:.1e}): the equations have such solutions, but no beam has; the load may be too large (check its unit), or the step too long"
     )]
     Inverted {
         /// Index of the beam.
@@ -136,9 +137,22 @@ pub enum Error {
         /// Volume spanned by the slopes over that of the reference state.
         ratio: f64,
     },
+    /// The tangent at the start of a solve is singular: the structure is a mechanism.
+    #[error(
+        "nothing holds {coordinate} (pivot {pivot:.1e}): the structure can move without deforming; add supports (Scene::clamp, pin, fix), or solve its dynamics"
+    )]
+    Mechanism {
+        /// The first coordinate found to be free, in words.
+        coordinate: String,
+        /// The vanishing pivot.
+        pivot: f64,
+    },
+    /// A node of another scene.
+    #[error("a node of another scene was given: use the handle that this scene's add returned")]
+    ForeignNode,
     /// A time step failed.
     #[error(
-        "the step of {step:e} s from t = {time} s failed ({cause}): the state at its start is kept; go on with smaller or adaptive steps"
+        "the step of {step:.3e} s from t = {time} s failed ({cause}): the state at its start is kept; go on with smaller or adaptive steps"
     )]
     StepFailed {
         /// Time of the last good state (s).
@@ -244,6 +258,12 @@ pub enum Error {
         /// The size needed.
         needed: usize,
     },
+}
+
+impl std::fmt::Debug for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, f)
+    }
 }
 
 impl Error {

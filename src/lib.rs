@@ -74,7 +74,7 @@ pub use error::{Error, Result};
 pub mod prelude {
     pub use crate::element::{Element, FullyParameterised, NodalVector};
     pub use crate::error::{Error, Result};
-    pub use crate::formulation::{Continuum, Formulation, Layer};
+    pub use crate::formulation::{Across, Continuum, Formulation, Layer};
     pub use crate::integrator::{
         Adaptive, Estimator, Integration, Method, Newmark, RunReport, Scheme, Step, Stepping,
     };

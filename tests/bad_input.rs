@@ -137,7 +137,7 @@ fn integration_orders() {
     let part = Layer {
         material: steel().coupled(),
         axial: 5,
-        section_degree: 5,
+        across: Across::Degree(5),
     };
     names(
         add(Continuum::layered([part])),
@@ -225,10 +225,16 @@ fn mechanisms_in_statics() {
         scene.force(beam.end(), load).unwrap();
         let system = scene.assemble().unwrap();
         let mut state = system.rest();
-        names(
-            Statics::default().solve(&system, &mut state),
-            &["supports", "0 of the load"],
-        );
+        let result = Statics::default().solve(&system, &mut state);
+        // Rounding may hold a pinned beam by a hair; then the size of its motion gives it away.
+        if pin {
+            names(result, &["supports"]);
+        } else {
+            names(
+                result,
+                &["nothing holds", "of node 4 of beam 0", "add supports"],
+            );
+        }
         assert_eq!(state, system.rest(), "the last good state is kept");
     }
 }
@@ -464,4 +470,24 @@ fn moments_that_a_law_cannot_carry() {
             &["12.5", "axis 1", "another slope"],
         );
     }
+}
+
+#[test]
+fn nodes_of_another_scene() {
+    let (_, stranger) = scene();
+    let (mut scene, _) = scene();
+    names(scene.clamp(stranger.start()), &["another scene", "handle"]);
+    names(scene.force(stranger.end(), [0.0; 3]), &["another scene"]);
+    let system = scene.assemble().unwrap();
+    names(
+        system.position(&system.rest(), stranger.end()),
+        &["another scene"],
+    );
+}
+
+/// A program whose `main` returns the error shows its message.
+#[test]
+fn debug_prints_the_message() {
+    let error = Disk::new(-1.0).unwrap_err();
+    assert_eq!(format!("{error:?}"), error.to_string());
 }

@@ -123,7 +123,7 @@ fn the_parts_of_a_material_add_up() {
     let layer = |material| Layer {
         material,
         axial: 5,
-        section_degree: 5,
+        across: Across::Degree(5),
     };
     let split = Continuum::layered([layer(material.uncoupled()), layer(material.coupled())]);
     let whole = Continuum::full(material);

@@ -20,9 +20,19 @@ pub struct Layer<M> {
     pub material: M,
     /// Number of Gauss points along the axis.
     pub axial: usize,
-    /// Polynomial degree to which the section rule is exact: `2 s - 1` for the paper's rule of
-    /// order `s`, 1 for a single point at the centroid.
-    pub section_degree: usize,
+    /// Where the section is sampled.
+    pub across: Across,
+}
+
+/// Where a section is sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Across {
+    /// By the section's rule, exact to this polynomial degree: `2 s - 1` for the paper's rule of
+    /// order `s`.
+    Degree(usize),
+    /// At the centroid alone, with the whole area. Not the same as a rule of degree 1, which may
+    /// have points off the centroid and then feels part of the bending.
+    Centroid,
 }
 
 /// A continuum beam: the sum of its [`Layer`]s.
@@ -69,7 +79,7 @@ impl<M> Continuum<M> {
         Self::layered([Layer {
             material,
             axial,
-            section_degree,
+            across: Across::Degree(section_degree),
         }])
     }
 
@@ -101,12 +111,12 @@ impl<M: PoissonSplit> Continuum<M> {
             Layer {
                 material: material.uncoupled(),
                 axial: AXIAL,
-                section_degree: SECTION,
+                across: Across::Degree(SECTION),
             },
             Layer {
                 material: material.coupled(),
                 axial: AXIAL,
-                section_degree: 1,
+                across: Across::Centroid,
             },
         ])
     }
@@ -150,7 +160,10 @@ impl<M> Continuum<M> {
         });
         let mut kernel = SampledKernel::new();
         for layer in &self.layers {
-            let points = section_points(section, layer.section_degree)?;
+            let points = match layer.across {
+                Across::Degree(degree) => section_points(section, degree)?,
+                Across::Centroid => vec![centroid(section)?],
+            };
             let law = ContinuumSection::new(layer.material.clone(), points);
             let axial = gauss_legendre(layer.axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
@@ -166,9 +179,22 @@ impl<M> Continuum<M> {
         Self::layered(self.layers.iter().map(|layer| Layer {
             material: layer.material.clone(),
             axial,
-            section_degree,
+            across: Across::Degree(section_degree),
         }))
     }
+}
+
+/// The centroid `(0, y[, z])` (m) with the area (m^2) as its weight.
+fn centroid<R: Real, const D: usize>(section: &dyn Section<R>) -> Result<([R; D], R)> {
+    let properties = section.properties()?;
+    let at = |a| {
+        if a == 0 {
+            R::zero()
+        } else {
+            properties.centroid[a - 1]
+        }
+    };
+    Ok((std::array::from_fn(at), properties.area))
 }
 
 macro_rules! dimension {

@@ -9,7 +9,7 @@ mod law;
 mod rank;
 mod sampled;
 
-pub use continuum::{Continuum, ContinuumKernel, Layer};
+pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
 pub(crate) use sampled::reference_vectors;

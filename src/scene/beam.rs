@@ -88,7 +88,21 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
             .density
             .map(|density| Inertia::new(&self.element, &reference, &self.section, density))
             .transpose()?;
-        Ok(Body::new(Chain {
+        let mass = match self.density {
+            Some(density) => {
+                let area = self.section.properties()?.area;
+                format!("{:.4e} kg", (density * area * length).value())
+            }
+            None => "no mass".into(),
+        };
+        let description = format!(
+            "{elements} elements of {:?}, {:.4e} m long, {mass}\n    section {:?}\n    {:?}",
+            self.element,
+            length.value(),
+            self.section,
+            self.formulation,
+        );
+        let chain = Chain {
             element: self.element,
             kernel,
             inertia,
@@ -96,7 +110,8 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
             from,
             elements,
             offset,
-        }))
+        };
+        Ok(Body::new(chain, description))
     }
 }
 

@@ -36,7 +36,6 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     /// Shape functions at axial position `s` in [0, 1] of the body and cross position `y` (m)
     /// (entry 0 unused), with the index of the coordinates' first component.
     fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>);
-    fn describe(&self) -> String;
 }
 
 /// A body with what the scene must know of it.
@@ -49,12 +48,16 @@ pub(super) struct Body<R, const D: usize> {
     frame: [[R; D]; D],
     length: R,
     has_mass: bool,
+    description: String,
     /// Places of the slopes among a node's vectors, if it has them all.
     slopes: Option<[usize; D]>,
 }
 
 impl<R: Real, const D: usize> Body<R, D> {
-    pub(super) fn new<E, Kn, const S: usize>(chain: Chain<R, E, Kn, D, S>) -> Self
+    pub(super) fn new<E, Kn, const S: usize>(
+        chain: Chain<R, E, Kn, D, S>,
+        description: String,
+    ) -> Self
     where
         E: Element<D, S>,
         Kn: ElementKernel<R, D, S>,
@@ -71,6 +74,7 @@ impl<R: Real, const D: usize> Body<R, D> {
         }
         Self {
             slopes,
+            description,
             vectors: E::VECTORS,
             nodes,
             range: chain.offset..chain.offset + count,
@@ -101,6 +105,9 @@ impl<R: Real, const D: usize> Body<R, D> {
     }
     pub(super) fn has_mass(&self) -> bool {
         self.has_mass
+    }
+    pub(super) fn describe(&self) -> &str {
+        &self.description
     }
 
     /// The first node whose slopes, all `D` of them, no longer span a volume of the sign they had,
@@ -227,9 +234,5 @@ where
         x[0] = along - R::lit(n as f64);
         let shape = self.element.shape(self.reference.length, x);
         (self.range(n).start, shape.to_vec())
-    }
-
-    fn describe(&self) -> String {
-        format!("{} elements of {:?}", self.elements, self.element)
     }
 }

@@ -21,8 +21,9 @@ pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
 pub enum MomentLaw {
     /// Work-conjugate to the rotation of slope `p` about the moment's axis `n`:
     /// `Q_p = m x p / |n x p|^2`, which has the potential `-|m|` times the angle turned. On a
-    /// cross slope (axis 1 or 2) the default way; on `r_x` (axis 0) the couple travels as shear
-    /// through the last element and the answer depends on the mesh.
+    /// cross slope (axis 1 or 2) the default way to bend. On `r_x` (axis 0) the couple travels as
+    /// shear through the last element, as torsion on one cross slope alone it shears the section:
+    /// there the answer depends on the mesh; twist by [`MeanRotation`](Self::MeanRotation).
     SlopeRotation(usize),
     /// Couple of two forces of fixed size that turn with slope `p`: `Q_p = m x p / |p|`.
     FollowerCouple(usize),
@@ -170,6 +171,18 @@ impl<R: Real> Moment<R> {
     /// slope `r_y`.
     pub fn about_z(m: R) -> Self {
         Self::new([R::zero(), R::zero(), m], MomentLaw::SlopeRotation(1))
+    }
+
+    /// A moment `m` (N m) about the global `y` axis, work-conjugate to the rotation of the cross
+    /// slope `r_z`.
+    pub fn about_y(m: R) -> Self {
+        Self::new([R::zero(), m, R::zero()], MomentLaw::SlopeRotation(2))
+    }
+
+    /// A moment `m` (N m) about the global `x` axis, work-conjugate to the mean rotation of the
+    /// triad: the way to twist a beam along `x`, whose cross slopes turn together.
+    pub fn about_x(m: R) -> Self {
+        Self::new([m, R::zero(), R::zero()], MomentLaw::MeanRotation)
     }
 
     /// Any moment vector (N m) with its law.

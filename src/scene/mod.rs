@@ -13,6 +13,7 @@ pub use load::{Moment, MomentLaw};
 pub use system::{Energies, System};
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, finite};
@@ -25,6 +26,7 @@ use load::{Action, Amplitude, NodalLoad};
 /// A beam placed in a scene: the handle by which its nodes are named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Placed {
+    scene: u64,
     body: usize,
     nodes: usize,
 }
@@ -44,6 +46,7 @@ impl Placed {
     /// beam has no such node.
     pub fn node(self, index: usize) -> Node {
         Node {
+            scene: self.scene,
             body: self.body,
             index,
         }
@@ -58,6 +61,7 @@ impl Placed {
 /// A node of a placed beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Node {
+    scene: u64,
     body: usize,
     index: usize,
 }
@@ -83,8 +87,10 @@ pub struct Node {
 /// assert!((tip[1] / slender - 1.0).abs() < 2e-3);
 /// # Ok::<(), ancf::Error>(())
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Scene<R: Real, const D: usize> {
+    /// Tells the nodes of this scene from those of any other.
+    id: u64,
     bodies: Vec<Body<R, D>>,
     fixed: Vec<usize>,
     loads: Vec<NodalLoad<R, D>>,
@@ -92,10 +98,18 @@ pub struct Scene<R: Real, const D: usize> {
     size: usize,
 }
 
+impl<R: Real, const D: usize> Default for Scene<R, D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<R: Real, const D: usize> Scene<R, D> {
     /// An empty scene.
     pub fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
         Self {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
             bodies: Vec::new(),
             fixed: Vec::new(),
             loads: Vec::new(),
@@ -120,6 +134,7 @@ impl<R: Real, const D: usize> Scene<R, D> {
         let nodes = body.nodes();
         self.bodies.push(body);
         Ok(Placed {
+            scene: self.id,
             body: self.bodies.len() - 1,
             nodes,
         })
@@ -260,23 +275,27 @@ impl<R: Real, const D: usize> Scene<R, D> {
     /// # Errors
     /// [`Error::EmptyScene`] without a beam.
     pub fn assemble(self) -> Result<System<R, D>> {
-        System::new(self.bodies, self.fixed, self.loads, self.gravity)
+        System::new(self.id, self.bodies, self.fixed, self.loads, self.gravity)
     }
 
     fn locate(&self, node: Node) -> Result<(&Body<R, D>, usize)> {
-        locate(&self.bodies, node)
+        locate(self.id, &self.bodies, node)
     }
 
     fn coordinates(&self, node: Node, vector: NodalVector) -> Result<usize> {
-        coordinates(&self.bodies, node, vector)
+        coordinates(self.id, &self.bodies, node, vector)
     }
 }
 
 /// The body of a node and the index of the node's first coordinate.
 fn locate<R: Real, const D: usize>(
+    scene: u64,
     bodies: &[Body<R, D>],
     node: Node,
 ) -> Result<(&Body<R, D>, usize)> {
+    if node.scene != scene {
+        return Err(Error::ForeignNode);
+    }
     let no_node = |nodes| Error::NoSuchNode {
         body: node.body,
         node: node.index,
@@ -292,11 +311,12 @@ fn locate<R: Real, const D: usize>(
 
 /// Index of the first component of a nodal vector.
 fn coordinates<R: Real, const D: usize>(
+    scene: u64,
     bodies: &[Body<R, D>],
     node: Node,
     vector: NodalVector,
 ) -> Result<usize> {
-    let (body, first) = locate(bodies, node)?;
+    let (body, first) = locate(scene, bodies, node)?;
     match body.vectors().iter().position(|v| *v == vector) {
         Some(place) => Ok(first + place * D),
         None => Err(Error::Unsupported {

@@ -43,6 +43,7 @@ impl<R: Real> Energies<R> {
 /// An assembled scene.
 #[derive(Debug)]
 pub struct System<R: Real, const D: usize> {
+    scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
     fixed: Vec<usize>,
@@ -57,6 +58,7 @@ pub struct System<R: Real, const D: usize> {
 
 impl<R: Real, const D: usize> System<R, D> {
     pub(super) fn new(
+        scene: u64,
         bodies: Vec<Body<R, D>>,
         mut fixed: Vec<usize>,
         loads: Vec<NodalLoad<R, D>>,
@@ -109,6 +111,7 @@ impl<R: Real, const D: usize> System<R, D> {
             });
         }
         Ok(Self {
+            scene,
             bodies,
             loads,
             fixed,
@@ -142,7 +145,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// # Errors
     /// When there is no such node.
     pub fn displacement(&self, state: &State<R>, node: Node) -> Result<[R; D]> {
-        let at = coordinates(&self.bodies, node, NodalVector::Position)?;
+        let at = coordinates(self.scene, &self.bodies, node, NodalVector::Position)?;
         self.check_size(state)?;
         Ok(std::array::from_fn(|c| state.displacement[at + c]))
     }
@@ -160,7 +163,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// # Errors
     /// When there is no such node or its element no such vector.
     pub fn vector(&self, state: &State<R>, node: Node, vector: NodalVector) -> Result<[R; D]> {
-        let at = coordinates(&self.bodies, node, vector)?;
+        let at = coordinates(self.scene, &self.bodies, node, vector)?;
         self.check_size(state)?;
         Ok(std::array::from_fn(|c| {
             self.reference[at + c] + state.displacement[at + c]
@@ -172,7 +175,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// # Errors
     /// When there is no such node or its element no such vector.
     pub fn coordinate(&self, node: Node, vector: NodalVector) -> Result<usize> {
-        coordinates(&self.bodies, node, vector)
+        coordinates(self.scene, &self.bodies, node, vector)
     }
 
     /// Current position (m) of the material point at fraction `s` in [0, 1] of the axis of the
@@ -181,7 +184,7 @@ impl<R: Real, const D: usize> System<R, D> {
     /// # Errors
     /// When there is no such beam or `s` is not finite.
     pub fn point(&self, state: &State<R>, node: Node, s: R, y: [R; D]) -> Result<[R; D]> {
-        let (body, _) = locate(&self.bodies, node)?;
+        let (body, _) = locate(self.scene, &self.bodies, node)?;
         finite("axial position along a beam", s)?;
         self.check_size(state)?;
         let (start, shape) = body.elastic().shape(s, &y);
@@ -289,7 +292,7 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             self.fixed.len()
         )?;
         for body in &self.bodies {
-            writeln!(f, "  {}", body.elastic().describe())?;
+            writeln!(f, "  {}", body.describe())?;
         }
         writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
         writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
@@ -351,6 +354,24 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
             load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
         }
         Ok(())
+    }
+
+    fn name(&self, i: usize) -> String {
+        let inside = |(_, body): &(usize, &Body<R, D>)| body.range().contains(&i);
+        let Some((index, body)) = self.bodies.iter().enumerate().find(inside) else {
+            return format!("coordinate {i}");
+        };
+        let vector = (i - body.range().start) / D;
+        let per_node = body.vectors().len();
+        let what = match body.vectors()[vector % per_node] {
+            NodalVector::Position => "the position".to_string(),
+            NodalVector::Slope(a) => format!("slope {a}"),
+        };
+        let component = ["x", "y", "z"][(i % D).min(2)];
+        format!(
+            "{component} of {what} of node {} of beam {index}",
+            vector / per_node
+        )
     }
 
     /// The material triad of every fully parameterised node must keep its orientation.

@@ -368,9 +368,16 @@ impl<R: Real> Workspace<R> {
             structure.add_mass(rate, &mut self.tangent)?;
         }
         self.fix(structure)?;
-        self.factor.factor(&self.tangent)?;
-        self.factored = true;
-        Ok(())
+        match self.factor.factor(&self.tangent) {
+            Err(Error::Singular { unknown, pivot }) => Err(Error::Mechanism {
+                coordinate: structure.name(unknown),
+                pivot,
+            }),
+            other => {
+                self.factored = other.is_ok();
+                other
+            }
+        }
     }
 
     fn fix<S: Structure<R> + ?Sized>(&mut self, structure: &S) -> Result<()> {

@@ -61,7 +61,7 @@ impl Statics {
     ///
     /// # Errors
     /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
-    /// halved [`cutbacks`](Self::cutbacks) times (a limit point, or too few supports);
+    /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load), [`Error::Mechanism`] for too few supports;
     /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
     pub fn solve<R: Real, S: Structure<R>>(
         &self,
@@ -121,6 +121,8 @@ impl Statics {
                     }
                 }
                 Err(error @ Error::LoadNotFinite { .. }) => return Err(error),
+                // Before any load has acted no smaller step can help.
+                Err(error @ Error::Mechanism { .. }) if report.steps == 0 => return Err(error),
                 Err(error) => {
                     step *= R::lit(0.5);
                     // An extrapolated guess that failed is not tried again.

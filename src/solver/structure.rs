@@ -46,6 +46,11 @@ pub trait Structure<R: Real> {
     /// When a load is not finite.
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut BandMatrix<R>) -> Result<()>;
 
+    /// What coordinate `i` is, in words, for messages.
+    fn name(&self, i: usize) -> String {
+        format!("coordinate {i}")
+    }
+
     /// Whether a converged state is one the model can mean; by default every state is.
     ///
     /// # Errors
