@@ -48,8 +48,8 @@
 //! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
 //! | [`section`] | cross-sections: rectangle, disk, annulus |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
-//! | [`element`] | shape functions: the fully parameterised beam |
-//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own |
+//! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
+//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
@@ -72,9 +72,9 @@ pub use error::{Error, Result};
 
 /// What most programs need: `use ancf::prelude::*`.
 pub mod prelude {
-    pub use crate::element::{Element, FullyParameterised, NodalVector};
+    pub use crate::element::{Cable, Element, FullyParameterised, NodalVector, Quadratic};
     pub use crate::error::{Error, Result};
-    pub use crate::formulation::{Continuum, Formulation, Layer};
+    pub use crate::formulation::{Continuum, EulerBernoulli, Formulation, Layer};
     pub use crate::integrator::{Adaptive, Estimator, Integration, Newmark, Step, Stepping};
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
     pub use crate::scalar::{Algebra, Real, Scalar};

@@ -2,8 +2,8 @@
 //! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
 //! of [`Layer`]s: which part of the material is sampled with which rule.
 
-use super::rank::check_rank;
 use super::law::ContinuumSection;
+use super::rank::check_rank;
 use super::sampled::{Sample, SampledKernel, section_linear};
 use super::{Formulation, Reference, section_points};
 use crate::element::Element;
@@ -80,6 +80,27 @@ impl<M> Continuum<M> {
         }
     }
 
+    /// The same layers with `points` Gauss points along the axis in every one. The quadratic
+    /// element wants 2, the only points where its rotation, which is quadratic along the element,
+    /// can follow the slope of its axis, which is linear; with 3 it bends too little by one part
+    /// in `4 n^2` on `n` elements.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// let rubber = SaintVenantKirchhoff::<f64, 3>::isotropic(2e7, 0.3)?;
+    /// let remedy = Continuum::selective_reduced(rubber).axial(2);
+    /// assert!(remedy.layers().iter().all(|layer| layer.axial == 2));
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    #[must_use]
+    pub fn axial(mut self, points: usize) -> Self {
+        for layer in &mut self.layers {
+            layer.axial = points;
+        }
+        self
+    }
+
     /// The parts that are summed.
     pub fn layers(&self) -> &[Layer<M>] {
         &self.layers
@@ -138,7 +159,9 @@ impl<M> Continuum<M> {
         }
         if !section_linear(element, reference.length) {
             return Err(Error::Unsupported {
-                what: format!("a continuum of {element:?}, whose shape functions are not linear across the section"),
+                what: format!(
+                    "a continuum of {element:?}, whose shape functions are not linear across the section"
+                ),
                 remedy: "use an element whose position is linear in the cross coordinates",
             });
         }

@@ -16,7 +16,9 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 ///
 /// The vectors are `g = g0 + h`: `reference` holds `g0`, the displacement part `h` carries the
 /// number type. Energies formed from `h` keep their digits on slender beams.
-pub trait SectionLaw<R: Real, const D: usize, const K: usize>: Debug + Send + Sync + 'static {
+pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
+    Debug + Send + Sync + 'static
+{
     /// Energy per unit length (J/m).
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T;
 
@@ -104,7 +106,12 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     g: &[[T; D]; K],
     y: &[R; D],
 ) -> [[T; D]; D] {
-    const { assert!(K == 2 * D - 1, "r', D - 1 cross slopes and their derivatives") };
+    const {
+        assert!(
+            K == 2 * D - 1,
+            "r', D - 1 cross slopes and their derivatives"
+        )
+    };
     let mut columns: [[T; D]; D] = std::array::from_fn(|a| g[a]);
     for m in 1..D {
         add_times(&mut columns[0], y[m], &g[first_column::<D>(m)]);
@@ -239,4 +246,3 @@ fn add_stiffness<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
         }
     }
 }
-

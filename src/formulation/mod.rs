@@ -3,12 +3,14 @@
 //! and tangent of one element over any number type. Locking remedies live here, as choices of
 //! what is sampled where.
 
+mod cable;
 mod continuum;
 mod inertia;
 mod law;
 mod rank;
 mod sampled;
 
+pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use continuum::{Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};

@@ -260,7 +260,11 @@ pub(super) fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S:
         point[0] = R::lit(xi);
         point[D - 1] = R::lit(0.5);
         (1..D).all(|a| {
-            (a..D).all(|b| !derivatives(element, length, point, (a, b)).into_iter().any(curved))
+            (a..D).all(|b| {
+                !derivatives(element, length, point, (a, b))
+                    .into_iter()
+                    .any(curved)
+            })
         })
     })
 }

@@ -93,7 +93,11 @@ fn varied<R, T: Algebra<R>, const D: usize, const N: usize>(
 /// What one derivative of a symmetric pair is worth for each of its two components.
 #[inline(always)]
 fn share<T: Algebra<R>, R: Real>(a: usize, b: usize, derivative: T) -> T {
-    if a == b { derivative } else { derivative.times(R::lit(0.5)) }
+    if a == b {
+        derivative
+    } else {
+        derivative.times(R::lit(0.5))
+    }
 }
 
 #[inline(always)]
