@@ -46,10 +46,10 @@
 //! |---|---|
 //! | [`scalar`] | what kernels and solvers need of a number |
 //! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
-//! | [`section`] | cross-sections: rectangle, disk, annulus |
+//! | [`section`] | cross-sections: rectangle, disk, annulus, or moments alone |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
-//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables |
+//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
@@ -74,12 +74,14 @@ pub use error::{Error, Result};
 pub mod prelude {
     pub use crate::element::{Cable, Element, FullyParameterised, NodalVector, Quadratic};
     pub use crate::error::{Error, Result};
-    pub use crate::formulation::{Continuum, EulerBernoulli, Formulation, Layer};
+    pub use crate::formulation::{
+        BeamStiffness, Continuum, EulerBernoulli, Formulation, Layer, StructuralMechanics,
+    };
     pub use crate::integrator::{Adaptive, Estimator, Integration, Newmark, Step, Stepping};
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
     pub use crate::scalar::{Algebra, Real, Scalar};
     pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
-    pub use crate::section::{Annulus, Disk, Rectangle, Section};
+    pub use crate::section::{Annulus, Disk, Moments, Rectangle, Section};
     pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
 }
 

@@ -2,6 +2,7 @@
 //! and no torsion. The literature has two strain energies of this kind under one name; both are
 //! here, each given by its energy alone.
 
+use super::change::changes;
 use super::rank::check_rank;
 use super::sampled::{Sample, SampledKernel};
 use super::{Formulation, Reference, SectionLaw};
@@ -9,9 +10,9 @@ use crate::element::Element;
 use crate::error::{Error, Result, positive};
 use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::gauss_legendre;
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{dot, sum};
+use crate::tensor::dot;
 
 /// Which strains the energy `1/2 EA eps^2 + 1/2 EI kappa^2` of a cable is made of. They differ by
 /// terms of the size of the axial strain: 0.1 % in the benchmark of Gerstmayr and Irschik (2008).
@@ -191,11 +192,11 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
         let square0 = dot(&reference[0], &reference[0]);
         // Reference length per unit of the coordinate X: 1 up to rounding on a straight axis.
         let length0 = square0.sqrt();
-        let tangent0 = reference[0].map(T::lift);
+        let [tangent, bend] = changes(reference, h);
+        let square = dot(&tangent, &tangent);
         match *self {
             Self::Stretching(energy, stiffness) => {
-                let middle = sum(&tangent0, &h[0].map(|c| c.times(half)));
-                let green = dot(&middle, &h[0]).times(square0.recip());
+                let green = square.change.times(half / square0);
                 let strain = match energy {
                     CableEnergy::GeometricCurvature => green,
                     // sqrt(1 + 2 E) - 1 without the difference of numbers near one.
@@ -207,32 +208,21 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
                 (strain * strain).times(half * stiffness * length0)
             }
             Self::Bending(energy, stiffness) => {
-                let tangent = sum(&tangent0, &h[0]);
-                let change = sum(&reference[1].map(T::lift), &h[1]);
-                let square = dot(&tangent, &tangent);
-                let turn = wedge(&tangent, &change);
-                let turn0 = wedge(&reference[0], &reference[1]);
-                let (scale, scale0) = match energy {
-                    CableEnergy::MaterialCurvature => {
-                        let per_length = length0.recip();
-                        (
-                            square.recip().times(per_length),
-                            square0.recip() * per_length,
-                        )
+                let per_length = square.rsqrt();
+                let (scale, unit) = match energy {
+                    CableEnergy::MaterialCurvature => (per_length * per_length, length0.recip()),
+                    CableEnergy::GeometricCurvature => {
+                        (per_length * per_length * per_length, length0)
                     }
-                    CableEnergy::GeometricCurvature => (
-                        (square * square.sqrt()).recip(),
-                        (square0 * length0).recip(),
-                    ),
                 };
                 // The square of the curvature, never the curvature: its root has no derivative on
                 // a straight axis.
-                let mut square = T::zero();
-                for (turn, turn0) in turn.into_iter().zip(turn0) {
-                    let curvature = turn * scale - T::lift(turn0 * scale0);
-                    square += curvature * curvature;
+                let mut twice = T::zero();
+                for turn in wedge(&tangent, &bend) {
+                    let curvature = (turn * scale).change;
+                    twice += curvature * curvature;
                 }
-                square.times(half * stiffness * length0)
+                twice.times(half * stiffness * unit)
             }
         }
     }
@@ -240,7 +230,7 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
 
 /// Components of `a x b` in space; in the plane the one component that there is, with its sign.
 #[inline(always)]
-fn wedge<T: Algebra<R>, R, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; 3] {
+fn wedge<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; 3] {
     std::array::from_fn(|k| match (k + 1, k + 2) {
         (i, j) if D == 3 => a[i % D] * b[j % D] - a[j % D] * b[i % D],
         _ if k == 0 => a[0] * b[1] - a[1] * b[0],

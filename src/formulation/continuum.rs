@@ -4,7 +4,7 @@
 
 use super::law::ContinuumSection;
 use super::rank::check_rank;
-use super::sampled::{Sample, SampledKernel, section_linear};
+use super::sampled::{SampledKernel, section_samples};
 use super::{Formulation, Reference, section_points};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -157,18 +157,7 @@ impl<M> Continuum<M> {
                 remedy: "give at least one layer, or use Continuum::full",
             });
         }
-        if !section_linear(element, reference.length) {
-            return Err(Error::Unsupported {
-                what: format!(
-                    "a continuum of {element:?}, whose shape functions are not linear across the section"
-                ),
-                remedy: "use an element whose position is linear in the cross coordinates",
-            });
-        }
-        let samples = std::array::from_fn(|k| match k {
-            k if k < D => Sample::First(k),
-            k => Sample::Second(0, k - D + 1),
-        });
+        let samples = section_samples(element, reference.length)?;
         let mut kernel = SampledKernel::new();
         for layer in &self.layers {
             let points = section_points(section, layer.section_degree)?;

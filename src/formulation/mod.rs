@@ -4,11 +4,13 @@
 //! what is sampled where.
 
 mod cable;
+mod change;
 mod continuum;
 mod inertia;
 mod law;
 mod rank;
 mod sampled;
+mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use continuum::{Continuum, ContinuumKernel, Layer};
@@ -16,6 +18,7 @@ pub use inertia::Inertia;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
 pub(crate) use sampled::reference_vectors;
 pub use sampled::{Sample, SampledKernel};
+pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
 use std::fmt::Debug;
 

@@ -9,6 +9,7 @@ use num_dual::HyperDual;
 use super::law::{SectionLaw, SectionStiffness};
 use super::{ElementKernel, Reference, Tangent};
 use crate::element::{Element, NodalVector};
+use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, times};
@@ -247,8 +248,39 @@ fn operator<R: Real, E: Element<D, S>, const D: usize, const S: usize, const K: 
     })
 }
 
+/// What a law of the whole section samples: `r'`, the `D - 1` cross slopes and their derivatives
+/// along the axis, which is all there is to know of an element linear in the cross coordinates;
+/// any other is refused.
+pub(super) fn section_samples<R, E, const D: usize, const S: usize, const K: usize>(
+    element: &E,
+    length: R,
+) -> Result<[Sample; K]>
+where
+    R: Real,
+    E: Element<D, S>,
+{
+    const {
+        assert!(
+            K == 2 * D - 1,
+            "r', D - 1 cross slopes and their derivatives"
+        )
+    };
+    if !section_linear(element, length) {
+        return Err(Error::Unsupported {
+            what: format!(
+                "a law of the section on {element:?}, whose shape functions are not linear across it"
+            ),
+            remedy: "use an element whose position is linear in the cross coordinates",
+        });
+    }
+    Ok(std::array::from_fn(|k| match k {
+        k if k < D => Sample::First(k),
+        k => Sample::Second(0, k - D + 1),
+    }))
+}
+
 /// Whether the shape functions are linear in the cross coordinates.
-pub(super) fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
 ) -> bool {

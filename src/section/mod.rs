@@ -5,10 +5,12 @@
 
 mod annulus;
 mod disk;
+mod moments;
 mod rectangle;
 
 pub use annulus::Annulus;
 pub use disk::Disk;
+pub use moments::Moments;
 pub use rectangle::Rectangle;
 
 use std::fmt::Debug;
