@@ -134,9 +134,15 @@ impl<R: Real> EulerBernoulli<R> {
     fn unchecked<E: Element<D, S>, const D: usize, const S: usize>(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<CableKernel<R, D, S>> {
+        if D > 2 && !reference.is_straight() {
+            return Err(Error::Unsupported {
+                what: "a cable in space that is curved from the start".into(),
+                remedy: "without a section frame nothing says to which side it is curved: use an element with cross slopes, or a planar scene",
+            });
+        }
         let (axial, bending) = self.stiffness(section, D)?;
         let samples = [Sample::First(0), Sample::Second(0, 0)];
         let stretching = CableSection::Stretching(self.energy, axial);
@@ -161,7 +167,7 @@ impl<R: Real, E: Element<D, S>, const D: usize, const S: usize> Formulation<R, E
     fn kernel(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
         check_rank(element, section, |trial, reference| match trial {

@@ -141,7 +141,7 @@ impl<M> Continuum<M> {
     fn unchecked<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<ContinuumKernel<R, M, D, S, K>>
     where
@@ -161,7 +161,8 @@ impl<M> Continuum<M> {
         let mut kernel = SampledKernel::new();
         for layer in &self.layers {
             let points = section_points(section, layer.section_degree)?;
-            let law = ContinuumSection::new(layer.material.clone(), points);
+            let law =
+                ContinuumSection::new(layer.material.clone(), points, reference.is_straight());
             let axial = gauss_legendre(layer.axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
@@ -194,7 +195,7 @@ macro_rules! dimension {
             fn kernel(
                 &self,
                 element: &E,
-                reference: &Reference<R, $d>,
+                reference: &Reference<R, $d, S>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
                 check_rank(element, section, |trial, reference| match trial {

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{ElementKernel, Reference, reference_vectors};
+use super::{ElementKernel, Reference};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
@@ -23,7 +23,7 @@ const TRIALS: usize = 8;
 pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
     element: &E,
     section: &dyn Section<R>,
-    make: impl Fn(Option<(usize, usize)>, &Reference<R, D>) -> Result<Kn>,
+    make: impl Fn(Option<(usize, usize)>, &Reference<R, D, S>) -> Result<Kn>,
 ) -> Result<()>
 where
     R: Real,
@@ -32,16 +32,17 @@ where
 {
     let properties = section.properties()?;
     let gyration = ((properties.iyy + properties.izz) / properties.area).sqrt();
-    let reference = Reference {
-        length: gyration * R::lit(4.0),
-        frame: std::array::from_fn(|a| {
-            std::array::from_fn(|c| if a == c { R::one() } else { R::zero() })
-        }),
-    };
+    let axes =
+        std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }));
+    let reference = Reference::straight(element, gyration * R::lit(4.0), axes);
     let size = S * D;
-    let target = size - rigid_modes(element, &reference);
-    let rank_of =
-        |trial| -> Result<usize> { Ok(rank(&make(trial, &reference)?, element, &reference)) };
+    let target = size - rigid_modes::<R, E, D, S>(&reference);
+    let rank_of = |trial| -> Result<usize> {
+        Ok(rank::<R, E, Kn, D, S>(
+            &make(trial, &reference)?,
+            &reference,
+        ))
+    };
     let rank = rank_of(None)?;
     if rank >= target {
         return Ok(());
@@ -74,10 +75,9 @@ where
 
 /// Number of independent rigid motions the coordinates can tell apart.
 fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
-    element: &E,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> usize {
-    let e = reference_vectors(element, reference, &[R::zero(); D]);
+    let e = &reference.vectors;
     let per_node = E::VECTORS.len();
     let mut modes = Vec::new();
     for a in 0..D {
@@ -104,7 +104,7 @@ fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 /// Natural size of a coordinate: the element length for positions (m), 1 for slopes.
 fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     row: usize,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> f64 {
     match E::VECTORS[(row / D) % E::VECTORS.len()] {
         NodalVector::Position => reference.length.value(),
@@ -115,8 +115,7 @@ fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 /// Rank of the tangent at the reference configuration, coordinates scaled to a unit diagonal.
 fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
     kernel: &Kn,
-    _element: &E,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> usize {
     let unit = |row: usize| unit::<R, E, D, S>(row, reference);
     let mut q = [[R::zero(); D]; S];

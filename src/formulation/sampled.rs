@@ -8,7 +8,7 @@ use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
 use super::{ElementKernel, Reference, Tangent};
-use crate::element::{Element, NodalVector};
+use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
@@ -133,12 +133,12 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
     pub fn with_part<E: Element<D, S>>(
         mut self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         law: L,
         samples: [Sample; K],
         axial: &Cubature<R, 1>,
     ) -> Self {
-        let nodal = reference_vectors(element, reference, &[R::zero(); D]);
+        let nodal = &reference.vectors;
         let stations = axial.iter().map(|([xi], w)| {
             let rows = operator(element, reference.length, xi, samples);
             let vector = |row: &[R; S]| {
@@ -214,7 +214,7 @@ where
 
 /// Second derivatives of the shape functions at a natural point, by the natural coordinates `a`
 /// and `b`; the first derivatives come along.
-fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+pub(super) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
     point: [R; D],
@@ -298,23 +298,5 @@ fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
                     .any(curved)
             })
         })
-    })
-}
-
-/// Reference values of the nodal vectors of an element that starts at `origin`.
-pub(crate) fn reference_vectors<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
-    _element: &E,
-    reference: &Reference<R, D>,
-    origin: &[R; D],
-) -> [[R; D]; S] {
-    let per_node = E::VECTORS.len();
-    std::array::from_fn(|i| match E::VECTORS[i % per_node] {
-        NodalVector::Slope(a) => reference.frame[a],
-        NodalVector::Position => {
-            let along = R::lit((i / per_node) as f64) / R::lit((E::NODES - 1) as f64);
-            let mut r = *origin;
-            add_scaled(&mut r, along * reference.length, &reference.frame[0]);
-            r
-        }
     })
 }

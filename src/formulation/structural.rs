@@ -151,7 +151,7 @@ impl<R: Real> StructuralMechanics<R> {
     fn unchecked<E: Element<D, S>, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<StructuralKernel<R, D, S, K>> {
         let stiffness = self.stiffness(section)?;
@@ -210,7 +210,7 @@ macro_rules! dimension {
             fn kernel(
                 &self,
                 element: &E,
-                reference: &Reference<R, $d>,
+                reference: &Reference<R, $d, S>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
                 check_rank(element, section, |trial, reference| {
