@@ -7,6 +7,9 @@ use crate::scalar::Scalar;
 
 /// Two nodes with `r` and `r_x`: `S = 4` vectors in the plane and in space.
 ///
+/// Clamping such a node holds the stretch of the axis too. A support that only holds its direction
+/// pins the position and fixes the components of `r_x` across the axis, and converges faster.
+///
 /// ```
 /// use ancf::element::{Cable, Element};
 ///
