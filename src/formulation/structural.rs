@@ -56,8 +56,11 @@ enum Source<R> {
 ///     bending: [1e3, 1e3],
 /// })?;
 /// // With a density of 1 kg/m^3, Moments are rho A, rho I_y and rho I_z.
-/// let leg = Beam::new(Quadratic, Moments::new(1.0, 10.0, 10.0)?, given).density(1.0);
-/// # let _ = (from_section, leg);
+/// let leg = Beam::new(Quadratic, Moments::new(1.0, 10.0, 10.0)?, given)
+///     .straight([0.0; 3], [10.0, 0.0, 0.0], 4)
+///     .density(1.0);
+/// Scene::<f64, 3>::new().add(leg)?;
+/// # let _ = from_section;
 /// # Ok::<(), ancf::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

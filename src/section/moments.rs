@@ -12,9 +12,9 @@ use crate::scalar::Real;
 ///
 /// ```
 /// use ancf::section::{Moments, Section};
-/// let section = Moments::new(1.0, 10.0, 20.0)?;
+/// let section = Moments::new(1.0_f64, 10.0, 20.0)?;
 /// let p = section.properties()?;
-/// assert!((p.area - 1.0).abs() + (p.iyy - 10.0).abs() + (p.izz - 20.0_f64).abs() < 1e-13);
+/// assert!((p.area - 1.0).abs() + (p.iyy - 10.0).abs() + (p.izz - 20.0).abs() < 1e-13);
 /// # Ok::<(), ancf::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
