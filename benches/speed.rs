@@ -31,10 +31,11 @@ where
         ("selective", Continuum::selective_reduced),
     ];
     let disk = Disk::new(0.01).expect("a radius");
-    let reference = Reference {
-        length: 0.1,
-        frame: std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
-    };
+    let reference = Reference::straight(
+        &FullyParameterised,
+        0.1,
+        std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
+    );
     let u: [[f64; D]; S] =
         std::array::from_fn(|i| std::array::from_fn(|c| 1e-2 * ((3 * i + c + 1) as f64).sin()));
     let mut group = c.benchmark_group(name);

@@ -46,10 +46,10 @@
 //! |---|---|
 //! | [`scalar`] | what kernels and solvers need of a number |
 //! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
-//! | [`section`] | cross-sections: rectangle, disk, annulus, ellipse, rolled profiles, anything given by its outline |
+//! | [`section`] | cross-sections: rectangle, disk, annulus, ellipse, rolled profiles, moments alone, anything given by its outline |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
-//! | [`element`] | shape functions: the fully parameterised beam |
-//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own |
+//! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
+//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
@@ -72,9 +72,11 @@ pub use error::{Error, Result};
 
 /// What most programs need: `use ancf::prelude::*`.
 pub mod prelude {
-    pub use crate::element::{Element, FullyParameterised, NodalVector};
+    pub use crate::element::{Cable, Element, FullyParameterised, NodalVector, Quadratic};
     pub use crate::error::{Error, Result};
-    pub use crate::formulation::{Across, Continuum, Formulation, Layer};
+    pub use crate::formulation::{
+        Across, BeamStiffness, Continuum, EulerBernoulli, Formulation, Layer, StructuralMechanics,
+    };
     pub use crate::integrator::{
         Adaptive, Estimator, Integration, Method, Newmark, RunReport, Scheme, Step, Stepping,
     };
@@ -83,8 +85,8 @@ pub mod prelude {
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
     pub use crate::section::{
-        Annulus, Disk, Ellipse, Loop, Offset, Outline, Rectangle, Section, box_profile, c_profile,
-        i_profile, l_profile, t_profile,
+        Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
+        c_profile, i_profile, l_profile, t_profile,
     };
     pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
 }

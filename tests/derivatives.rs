@@ -31,18 +31,13 @@ fn remedies<const D: usize>() -> Vec<Continuum<SaintVenantKirchhoff<f64, D>>> {
     ]
 }
 
-/// A reference whose frame is turned out of the global axes.
-fn reference<const D: usize>() -> Reference<f64, D> {
+/// A frame turned out of the global axes.
+fn frame<const D: usize>() -> [[f64; D]; D] {
     let (s, c) = 0.7_f64.sin_cos();
     let (p, q) = 0.4_f64.sin_cos();
     let space = [[c * q, s * q, p], [-s, c, 0.0], [-c * p, -s * p, q]];
     let plane = [[c, s, 0.0], [-s, c, 0.0]];
-    Reference {
-        length: LENGTH,
-        frame: std::array::from_fn(|a| {
-            std::array::from_fn(|i| if D == 3 { space[a][i] } else { plane[a][i] })
-        }),
-    }
+    std::array::from_fn(|a| std::array::from_fn(|i| if D == 3 { space[a][i] } else { plane[a][i] }))
 }
 
 /// Runs a check on the kernels of every section and remedy.
@@ -53,7 +48,7 @@ macro_rules! for_every_kernel {
                 let kernel = Formulation::<f64, FullyParameterised, $d, $s>::kernel(
                     &remedy,
                     &FullyParameterised,
-                    &reference::<$d>(),
+                    &Reference::straight(&FullyParameterised, LENGTH, frame::<$d>()),
                     &*section,
                 )
                 .unwrap();
@@ -151,7 +146,7 @@ proptest! {
         let n = axis.map(|a| a / norm);
         let r = nalgebra::Rotation3::from_axis_angle(
             &nalgebra::Unit::new_normalize(nalgebra::Vector3::from(n)), angle);
-        let frame = reference::<3>().frame;
+        let frame = frame::<3>();
         let u: [[f64; 3]; 8] = std::array::from_fn(|i| {
             let e = match (i % 4, i / 4) {
                 (0, node) => frame[0].map(|c| c * LENGTH * node as f64),
@@ -170,7 +165,7 @@ fn check_rigid<K: ElementKernel<f64, 3, 8>>(kernel: &K, u: &[[f64; 3]; 8]) {
     let largest_shift = u.iter().flatten().fold(1.0_f64, |m, v| v.abs().max(m));
     let rounding = 16.0 * f64::EPSILON * largest_shift / LENGTH;
     let stretch = 1e-3;
-    let frame = reference::<3>().frame;
+    let frame = frame::<3>();
     let stretched: [[f64; 3]; 8] = std::array::from_fn(|i| match (i % 4, i / 4) {
         (0, node) => frame[0].map(|c| c * stretch * LENGTH * node as f64),
         (1, _) => frame[0].map(|c| c * stretch),
@@ -187,7 +182,7 @@ fn check_rigid<K: ElementKernel<f64, 3, 8>>(kernel: &K, u: &[[f64; 3]; 8]) {
 
 #[test]
 fn rigid_motion_in_the_plane_costs_nothing() {
-    let frame = reference::<2>().frame;
+    let frame = frame::<2>();
     for angle in [0.1, 1.0, 3.0, 100.0] {
         let (s, c) = f64::sin_cos(angle);
         let u: [[f64; 2]; 6] = std::array::from_fn(|i| {

@@ -12,10 +12,11 @@ where
     FullyParameterised: Element<D, S>,
     F: Formulation<f64, FullyParameterised, D, S>,
 {
-    let reference = Reference {
-        length: 0.2,
-        frame: std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
-    };
+    let reference = Reference::straight(
+        &FullyParameterised,
+        0.2,
+        std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
+    );
     formulation.kernel(&FullyParameterised, &reference, section)
 }
 

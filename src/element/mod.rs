@@ -2,9 +2,13 @@
 //! names of its nodal vectors; no physics. Gradients come from the shape functions by dual
 //! numbers, everything else from the gradients.
 
+mod cable;
 mod fully_parameterised;
+mod quadratic;
 
+pub use cable::Cable;
 pub use fully_parameterised::FullyParameterised;
+pub use quadratic::Quadratic;
 
 use std::fmt::Debug;
 

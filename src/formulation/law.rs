@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 use crate::material::{Material, green_lagrange};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_times, dot, sum};
+use crate::tensor::{add_times, cross, dot, sum};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
 /// sampled vectors `a` and `b`. Only blocks with `a <= b` are used.
@@ -25,10 +25,7 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     /// Derivatives of the energy by the sampled vectors.
     #[inline]
     fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
-        std::array::from_fn(|k| {
-            let energy = self.energy(reference, &varied(h, k));
-            std::array::from_fn(|c| T::derivative::<D>(&energy, c))
-        })
+        derived_resultants(self, reference, h)
     }
 
     /// First and second derivatives of the energy by the sampled vectors.
@@ -38,21 +35,52 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
     ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
-        let mut resultants = [[T::zero(); D]; K];
-        let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
-        for b in 0..K {
-            let dual = self.resultants(reference, &varied(h, b));
-            for a in 0..=b {
-                for c in 0..D {
-                    for d in 0..D {
-                        stiffness[a][b][c][d] = T::derivative::<D>(&dual[a][c], d);
-                    }
+        derived_stiffness(self, reference, h)
+    }
+}
+
+#[inline(always)]
+fn derived_resultants<R, T, L, const D: usize, const K: usize>(
+    law: &L,
+    reference: &[[R; D]; K],
+    h: &[[T; D]; K],
+) -> [[T; D]; K]
+where
+    R: Real,
+    T: Algebra<R>,
+    L: SectionLaw<R, D, K> + ?Sized,
+{
+    std::array::from_fn(|k| {
+        let energy = law.energy(reference, &varied(h, k));
+        std::array::from_fn(|c| T::derivative::<D>(&energy, c))
+    })
+}
+
+#[inline(always)]
+fn derived_stiffness<R, T, L, const D: usize, const K: usize>(
+    law: &L,
+    reference: &[[R; D]; K],
+    h: &[[T; D]; K],
+) -> ([[T; D]; K], SectionStiffness<T, D, K>)
+where
+    R: Real,
+    T: Algebra<R>,
+    L: SectionLaw<R, D, K> + ?Sized,
+{
+    let mut resultants = [[T::zero(); D]; K];
+    let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
+    for b in 0..K {
+        let dual = law.resultants(reference, &varied(h, b));
+        for a in 0..=b {
+            for c in 0..D {
+                for d in 0..D {
+                    stiffness[a][b][c][d] = T::derivative::<D>(&dual[a][c], d);
                 }
             }
-            resultants[b] = std::array::from_fn(|c| T::real_part::<D>(&dual[b][c]));
         }
-        (resultants, stiffness)
+        resultants[b] = std::array::from_fn(|c| T::real_part::<D>(&dual[b][c]));
     }
+    (resultants, stiffness)
 }
 
 /// Dual numbers with unit derivatives along the components of vector `k` of `vectors`.
@@ -72,12 +100,14 @@ pub(super) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
 /// A material integrated over the section of a beam whose position is linear in the cross
 /// coordinates. Its `K = 2 D - 1` vectors are `r'`, the cross slopes `r_y`[, `r_z`] and their
 /// derivatives along the axis; the deformation gradient at a section point is
-/// `J = [r' + y r_y' + z r_z', r_y, r_z]` (the inner sum of eq. 18 of Orzechowski 2012).
+/// `J = [r' + y r_y' + z r_z', r_y, r_z]` (the inner sum of eq. 18 of Orzechowski 2012). On a
+/// curved reference with gradient `J0` it is `J J0^-1`, and derivatives come from the energy.
 #[derive(Debug, Clone)]
 pub struct ContinuumSection<R, M, const D: usize> {
     material: M,
     /// Section points `(1, y[, z])` with weights: the factors of the vectors in the first column.
     points: Vec<([R; D], R)>,
+    straight: bool,
 }
 
 /// Which sampled vector has the factor `m` of `(1, y, z)` in the first gradient column.
@@ -87,8 +117,9 @@ const fn first_column<const D: usize>(m: usize) -> usize {
 }
 
 impl<R: Real, M, const D: usize> ContinuumSection<R, M, D> {
-    /// `material` at the section points `(0, y[, z])` (m) with weights (m^2).
-    pub(super) fn new(material: M, points: Vec<([R; D], R)>) -> Self {
+    /// `material` at the section points `(0, y[, z])` (m) with weights (m^2), on references that
+    /// are `straight` or not.
+    pub(super) fn new(material: M, points: Vec<([R; D], R)>, straight: bool) -> Self {
         let factors = |(mut y, w): ([R; D], R)| {
             y[0] = R::one();
             (y, w)
@@ -96,6 +127,7 @@ impl<R: Real, M, const D: usize> ContinuumSection<R, M, D> {
         Self {
             material,
             points: points.into_iter().map(factors).collect(),
+            straight,
         }
     }
 }
@@ -128,14 +160,24 @@ where
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         let mut energy = T::zero();
         for (y, w) in &self.points {
-            let strain = green_lagrange(&columns(reference, y), &columns(h, y));
-            energy += self.material.energy(&strain).times(*w);
+            let initial = columns(reference, y);
+            let strain = green_lagrange(&initial, &columns(h, y));
+            energy += match self.straight {
+                true => self.material.energy(&strain).times(*w),
+                false => {
+                    let (strain, volume) = in_material_frame(&initial, &strain);
+                    self.material.energy(&strain).times(*w * volume)
+                }
+            };
         }
         energy
     }
 
     #[inline(always)]
     fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+        if !self.straight {
+            return derived_resultants(self, reference, h);
+        }
         let mut n = [[T::zero(); D]; K];
         for (y, w) in &self.points {
             let (initial, displacement) = (columns(reference, y), columns(h, y));
@@ -152,6 +194,9 @@ where
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
     ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        if !self.straight {
+            return derived_stiffness(self, reference, h);
+        }
         let mut n = [[T::zero(); D]; K];
         let mut k = [[[[T::zero(); D]; D]; K]; K];
         for (y, w) in &self.points {
@@ -172,6 +217,50 @@ where
         }
         (n, k)
     }
+}
+
+/// The strain by reference coordinates turned to the strain by the orthonormal material frame,
+/// and the reference volume per volume of coordinates. The frame has its axes 1 and 2 in the
+/// section, the first of them along the first cross slope.
+#[inline(always)]
+fn in_material_frame<R: Real, T: Algebra<R>, const D: usize>(
+    initial: &[[R; D]; D],
+    strain: &[[T; D]; D],
+) -> ([[T; D]; D], R) {
+    // A planar gradient is one in space with the normal for its third column.
+    let c: [[R; 3]; 3] = std::array::from_fn(|a| {
+        std::array::from_fn(|i| match (a < D, i < D) {
+            (true, true) => initial[a][i],
+            (false, false) => R::one(),
+            _ => R::zero(),
+        })
+    });
+    let area = cross(&c[1], &c[2]);
+    let volume = dot(&area, &c[0]);
+    let unit = |v: [R; 3]| {
+        let size = dot(&v, &v).sqrt();
+        v.map(|c| c / size)
+    };
+    let (normal, first) = (unit(area), unit(c[1]));
+    let frame = [normal, first, cross(&normal, &first)];
+    // Frame axes by the reciprocal vectors of the columns.
+    let map: [[R; D]; D] = std::array::from_fn(|a| {
+        std::array::from_fn(|k| {
+            let reciprocal = cross(&c[(k + 1) % 3], &c[(k + 2) % 3]);
+            dot(&frame[a], &reciprocal) / volume
+        })
+    });
+    let half: [[T; D]; D] = std::array::from_fn(|a| {
+        let mut row = [T::zero(); D];
+        for k in 0..D {
+            add_times(&mut row, map[a][k], &strain[k]);
+        }
+        row
+    });
+    let turned = std::array::from_fn(|a| {
+        std::array::from_fn(|b| (0..D).fold(T::zero(), |s, k| s + half[a][k].times(map[b][k])))
+    });
+    (turned, volume)
 }
 
 /// Columns of the deformation gradient.

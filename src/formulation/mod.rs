@@ -3,21 +3,25 @@
 //! and tangent of one element over any number type. Locking remedies live here, as choices of
 //! what is sampled where.
 
+mod cable;
+mod change;
 mod continuum;
 mod inertia;
 mod law;
 mod rank;
 mod sampled;
+mod structural;
 
+pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
-pub(crate) use sampled::reference_vectors;
 pub use sampled::{Sample, SampledKernel};
+pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
 use std::fmt::Debug;
 
-use crate::element::Element;
+use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
@@ -28,14 +32,49 @@ use crate::section::Section;
 /// order of the coordinates.
 pub type Tangent<T, const D: usize, const S: usize> = [[[[T; D]; S]; D]; S];
 
-/// Reference geometry of one straight element.
+/// Reference geometry of one element: nodal vectors `e0` from which strains are measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reference<R, const D: usize> {
-    /// Length (m) (`l` in eq. 5).
+pub struct Reference<R, const D: usize, const S: usize> {
+    /// Length of the axis (m) (`l` in eq. 5).
     pub length: R,
-    /// Orthonormal material frame: `frame[a]` is the direction of material axis `a` (0 along the
-    /// beam) in global components.
-    pub frame: [[R; D]; D],
+    /// Nodal vectors in the reference state, positions (m) relative to the first node.
+    pub vectors: [[R; D]; S],
+    straight: bool,
+}
+
+impl<R: Real, const D: usize, const S: usize> Reference<R, D, S> {
+    /// A straight element with an orthonormal material frame: `frame[a]` is the direction of
+    /// material axis `a` (0 along the beam) in global components.
+    pub fn straight<E: Element<D, S>>(_element: &E, length: R, frame: [[R; D]; D]) -> Self {
+        let per_node = E::VECTORS.len();
+        let vector = |i: usize| match E::VECTORS[i % per_node] {
+            NodalVector::Slope(a) => frame[a],
+            NodalVector::Position => {
+                let along = R::lit((i / per_node) as f64) / R::lit((E::NODES - 1) as f64);
+                frame[0].map(|c| along * length * c)
+            }
+        };
+        Self {
+            length,
+            vectors: std::array::from_fn(vector),
+            straight: true,
+        }
+    }
+
+    /// An element of any shape, given by its nodal vectors; slopes along the axis have unit
+    /// length where the nodal spacing follows the arc length.
+    pub fn curved(length: R, vectors: [[R; D]; S]) -> Self {
+        Self {
+            length,
+            vectors,
+            straight: false,
+        }
+    }
+
+    /// Whether the reference gradient is one and the same rotation everywhere.
+    pub fn is_straight(&self) -> bool {
+        self.straight
+    }
 }
 
 /// Energy, force and tangent of one element with nodal displacements `u` (current minus reference
@@ -95,7 +134,7 @@ pub trait Formulation<R: Real, E: Element<D, S>, const D: usize, const S: usize>
     fn kernel(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel>;
 }

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{ElementKernel, Reference, reference_vectors};
+use super::{ElementKernel, Reference};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, positive};
 use crate::quadrature::Cubature;
@@ -19,31 +19,26 @@ const ZERO_SINGLE: f64 = 1e-5;
 const TRIALS: usize = 8;
 
 /// Refuses a sampling that leaves zero-energy modes beyond the rigid ones. `make` builds the
-/// kernel on a given reference, with the orders as asked (`None`) or with the given number of axial
-/// points and section degree.
+/// kernel on a reference of the given length (m), with the orders as asked (`None`) or with the
+/// given number of axial points and section degree.
 pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
     element: &E,
-    section: &dyn Section<R>,
-    make: impl Fn(Option<(usize, usize)>, &Reference<R, D>, &dyn Section<R>) -> Result<Kn>,
+    length: R,
+    make: impl Fn(Option<(usize, usize)>, &Reference<R, D, S>) -> Result<Kn>,
 ) -> Result<()>
 where
     R: Real,
     E: Element<D, S>,
     Kn: ElementKernel<R, D, S>,
 {
-    let section = &Stocky::new(section)?;
-    let reference = Reference {
-        length: R::lit(4.0),
-        frame: std::array::from_fn(|a| {
-            std::array::from_fn(|c| if a == c { R::one() } else { R::zero() })
-        }),
-    };
+    let axes =
+        std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }));
+    let reference = Reference::straight(element, length, axes);
     let size = S * D;
-    let target = size - rigid_modes(element, &reference);
+    let target = size - rigid_modes::<R, E, D, S>(&reference);
     let rank_of = |trial| -> Result<usize> {
-        Ok(rank(
-            &make(trial, &reference, section)?,
-            element,
+        Ok(rank::<R, E, Kn, D, S>(
+            &make(trial, &reference)?,
             &reference,
         ))
     };
@@ -77,24 +72,32 @@ where
     })
 }
 
-/// A section stretched to unit radii of gyration about both axes: rank does not depend on them,
-/// but its rounding does.
+/// Length (m) over which a beam of this section is stocky: four radii of gyration.
+pub(super) fn stocky_length<R: Real>(section: &dyn Section<R>) -> Result<R> {
+    let properties = section.properties()?;
+    let area = positive("area of the section [m^2]", properties.area)?;
+    let moment = properties.iyy + properties.izz;
+    let moment = positive("second moment of the section [m^4]", moment)?;
+    let length = R::lit(4.0) * Field::sqrt(moment / area);
+    positive("radius of gyration of the section [m]", length)
+}
+
+/// A section stretched to radii of gyration of a quarter about both axes, so that a beam of unit
+/// length is stocky: rank does not depend on them, but its rounding does.
 #[derive(Debug)]
-struct Stocky<'a, R> {
+pub(super) struct Stocky<'a, R> {
     section: &'a dyn Section<R>,
     stretch: [[R; 2]; 2],
 }
 
 impl<'a, R: Real> Stocky<'a, R> {
-    fn new(section: &'a dyn Section<R>) -> Result<Self> {
+    pub(super) fn new(section: &'a dyn Section<R>) -> Result<Self> {
         let properties = section.properties()?;
         let area = positive("area of the section [m^2]", properties.area)?;
         let stretch = |moment: R| {
             let moment = positive("second moment of the section [m^4]", moment)?;
-            positive(
-                "radius of gyration of the section [m]",
-                Field::sqrt(area / moment),
-            )
+            let stretch = R::lit(0.25) * Field::sqrt(area / moment);
+            positive("curvature of the section's gyration [1/m]", stretch)
         };
         let (y, z) = (stretch(properties.izz)?, stretch(properties.iyy)?);
         let stretch = [[y, R::zero()], [R::zero(), z]];
@@ -116,10 +119,9 @@ impl<R: Real> Section<R> for Stocky<'_, R> {
 
 /// Number of independent rigid motions the coordinates can tell apart.
 fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
-    element: &E,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> usize {
-    let e = reference_vectors(element, reference, &[R::zero(); D]);
+    let e = &reference.vectors;
     let per_node = E::VECTORS.len();
     let mut modes = Vec::new();
     for a in 0..D {
@@ -146,7 +148,7 @@ fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 /// Natural size of a coordinate: the element length for positions (m), 1 for slopes.
 fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     row: usize,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> f64 {
     match E::VECTORS[(row / D) % E::VECTORS.len()] {
         NodalVector::Position => reference.length.value(),
@@ -157,8 +159,7 @@ fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 /// Rank of the tangent at the reference configuration, coordinates scaled to a unit diagonal.
 fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
     kernel: &Kn,
-    _element: &E,
-    reference: &Reference<R, D>,
+    reference: &Reference<R, D, S>,
 ) -> usize {
     let unit = |row: usize| unit::<R, E, D, S>(row, reference);
     let mut q = [[R::zero(); D]; S];

@@ -8,7 +8,8 @@ use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
 use super::{ElementKernel, Reference, Tangent};
-use crate::element::{Element, NodalVector};
+use crate::element::Element;
+use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, times};
@@ -132,12 +133,12 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
     pub fn with_part<E: Element<D, S>>(
         mut self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         law: L,
         samples: [Sample; K],
         axial: &Cubature<R, 1>,
     ) -> Self {
-        let nodal = reference_vectors(element, reference, &[R::zero(); D]);
+        let nodal = &reference.vectors;
         let stations = axial.iter().map(|([xi], w)| {
             let rows = operator(element, reference.length, xi, samples);
             let vector = |row: &[R; S]| {
@@ -213,7 +214,7 @@ where
 
 /// Second derivatives of the shape functions at a natural point, by the natural coordinates `a`
 /// and `b`; the first derivatives come along.
-fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+pub(super) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
     point: [R; D],
@@ -247,8 +248,39 @@ fn operator<R: Real, E: Element<D, S>, const D: usize, const S: usize, const K: 
     })
 }
 
+/// What a law of the whole section samples: `r'`, the `D - 1` cross slopes and their derivatives
+/// along the axis, which is all there is to know of an element linear in the cross coordinates;
+/// any other is refused.
+pub(super) fn section_samples<R, E, const D: usize, const S: usize, const K: usize>(
+    element: &E,
+    length: R,
+) -> Result<[Sample; K]>
+where
+    R: Real,
+    E: Element<D, S>,
+{
+    const {
+        assert!(
+            K == 2 * D - 1,
+            "r', D - 1 cross slopes and their derivatives"
+        )
+    };
+    if !section_linear(element, length) {
+        return Err(Error::Unsupported {
+            what: format!(
+                "a law of the section on {element:?}, whose shape functions are not linear across it"
+            ),
+            remedy: "use an element whose position is linear in the cross coordinates",
+        });
+    }
+    Ok(std::array::from_fn(|k| match k {
+        k if k < D => Sample::First(k),
+        k => Sample::Second(0, k - D + 1),
+    }))
+}
+
 /// Whether the shape functions are linear in the cross coordinates.
-pub(super) fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
 ) -> bool {
@@ -266,23 +298,5 @@ pub(super) fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S:
                     .any(curved)
             })
         })
-    })
-}
-
-/// Reference values of the nodal vectors of an element that starts at `origin`.
-pub(crate) fn reference_vectors<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
-    _element: &E,
-    reference: &Reference<R, D>,
-    origin: &[R; D],
-) -> [[R; D]; S] {
-    let per_node = E::VECTORS.len();
-    std::array::from_fn(|i| match E::VECTORS[i % per_node] {
-        NodalVector::Slope(a) => reference.frame[a],
-        NodalVector::Position => {
-            let along = R::lit((i / per_node) as f64) / R::lit((E::NODES - 1) as f64);
-            let mut r = *origin;
-            add_scaled(&mut r, along * reference.length, &reference.frame[0]);
-            r
-        }
     })
 }

@@ -67,6 +67,11 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
     pub fn young(&self) -> R {
         self.young
     }
+
+    /// Shear modulus (Pa) `E / (2 (1 + nu))` of the material.
+    pub fn shear(&self) -> R {
+        self.shear[0][D - 1]
+    }
 }
 
 impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {

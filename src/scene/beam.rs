@@ -1,19 +1,43 @@
-//! The description of one straight beam: element family, section, formulation, line and density.
+//! The description of one beam: element family, section, formulation, axis and density. An axis is
+//! straight between two points, or any curve with the frame that the section follows along it.
 
-use super::chain::{Body, Chain};
-use crate::element::Element;
+use std::fmt::{self, Debug};
+use std::sync::Arc;
+
+use super::chain::{Body, Chain, Link};
+use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, finite, positive};
 use crate::formulation::{Formulation, Inertia, Reference};
 use crate::scalar::Real;
 use crate::section::Section;
+use crate::tensor::{cross, dot};
 
-/// A straight beam before it is placed in a [`Scene`](super::Scene).
+/// Position and material frame at a fraction of the axis.
+type Curve<R, const D: usize> = Arc<dyn Fn(R) -> ([R; D], [[R; D]; D]) + Send + Sync>;
+
+/// The axis of a beam in the reference state.
+#[derive(Clone)]
+enum Axis<R, const D: usize> {
+    Straight { from: [R; D], to: [R; D] },
+    Curved { length: R, curve: Curve<R, D> },
+}
+
+impl<R: Debug, const D: usize> Debug for Axis<R, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Straight { from, to } => write!(f, "straight from {from:?} to {to:?}"),
+            Self::Curved { length, .. } => write!(f, "a curve of length {length:?}"),
+        }
+    }
+}
+
+/// A beam before it is placed in a [`Scene`](super::Scene).
 #[derive(Debug, Clone)]
 pub struct Beam<R, E, F, X, const D: usize> {
     element: E,
     section: X,
     formulation: F,
-    line: Option<([R; D], [R; D], usize)>,
+    axis: Option<(Axis<R, D>, usize)>,
     up: Option<[R; D]>,
     density: Option<R>,
 }
@@ -25,7 +49,7 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
             element,
             section,
             formulation,
-            line: None,
+            axis: None,
             up: None,
             density: None,
         }
@@ -33,7 +57,40 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
 
     /// A straight axis between two points (m), divided into `elements` equal elements.
     pub fn straight(mut self, from: [R; D], to: [R; D], elements: usize) -> Self {
-        self.line = Some((from, to, elements));
+        self.axis = Some((Axis::Straight { from, to }, elements));
+        self
+    }
+
+    /// An axis of any shape, bent or twisted or both, divided into `elements` elements of equal
+    /// arc length. `axis` takes the fraction of the arc length, from 0 to 1, to the position (m)
+    /// and the orthonormal right-handed material frame: the unit tangent, then the directions of
+    /// the section's axes. `length` (m) is the whole arc length. The beam is free of stress in
+    /// this shape.
+    ///
+    /// A kink makes the tangents on its two sides clash: it needs two beams.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// let steel = SaintVenantKirchhoff::<f64, 2>::isotropic(2.0e11, 0.3)?;
+    /// let quarter = std::f64::consts::FRAC_PI_2;
+    /// let arch = Beam::new(Quadratic, Disk::new(0.01)?, StructuralMechanics::new(&steel))
+    ///     .curved(quarter, 8, move |s| {
+    ///         let (sin, cos) = (s * quarter).sin_cos();
+    ///         ([sin, 1.0 - cos], [[cos, sin], [-sin, cos]])
+    ///     });
+    /// let mut scene = Scene::<f64, 2>::new();
+    /// scene.add(arch)?;
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    pub fn curved(
+        mut self,
+        length: R,
+        elements: usize,
+        axis: impl Fn(R) -> ([R; D], [[R; D]; D]) + Send + Sync + 'static,
+    ) -> Self {
+        let curve = Arc::new(axis);
+        self.axis = Some((Axis::Curved { length, curve }, elements));
         self
     }
 
@@ -58,12 +115,13 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
         F: Formulation<R, E, D, S>,
         X: Section<R>,
     {
-        let Some((from, to, elements)) = self.line else {
+        let Some((axis, elements)) = &self.axis else {
             return Err(Error::Unsupported {
                 what: "a beam without an axis".into(),
-                remedy: "call Beam::straight with its two ends and the number of elements",
+                remedy: "call Beam::straight with its two ends, or Beam::curved with its shape",
             });
         };
+        let elements = *elements;
         if elements == 0 {
             return Err(Error::TooFew {
                 what: "number of elements of a beam",
@@ -72,22 +130,54 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                 remedy: "divide the beam into at least one element",
             });
         }
-        for end in from.iter().chain(&to) {
-            finite("coordinate of a beam's end [m]", *end)?;
-        }
-        let along: [R; D] = std::array::from_fn(|c| to[c] - from[c]);
-        let length = positive("length of a beam [m]", norm(&along))?;
-        let reference = Reference {
-            length: length / R::lit(elements as f64),
-            frame: frame(&along, self.up)?,
+        let share = R::one() / R::lit(elements as f64);
+        let (chain, frames, length) = match axis {
+            Axis::Straight { from, to } => {
+                for end in from.iter().chain(to) {
+                    finite("coordinate of a beam's end [m]", *end)?;
+                }
+                let along: [R; D] = std::array::from_fn(|c| to[c] - from[c]);
+                let length = positive("length of a beam [m]", norm(&along))?;
+                let frame = frame(&along, self.up)?;
+                let reference = Reference::straight(&self.element, length * share, frame);
+                let start = |n| {
+                    let along = length * share * R::lit(n as f64);
+                    std::array::from_fn(|c| from[c] + along * frame[0][c])
+                };
+                let chain = Chain {
+                    element: self.element,
+                    links: vec![self.link(reference)?],
+                    starts: (0..elements).map(start).collect(),
+                    offset,
+                };
+                (chain, vec![frame], length)
+            }
+            Axis::Curved { length, curve } => {
+                let length = positive("length of a beam's axis [m]", *length)?;
+                let last = (E::NODES - 1) * elements;
+                let mut nodes = Vec::with_capacity(last + 1);
+                for n in 0..=last {
+                    let s = R::lit(n as f64) / R::lit(last as f64);
+                    nodes.push(checked(s, curve(s))?);
+                }
+                let mut links = Vec::with_capacity(elements);
+                for nodes in nodes.windows(E::NODES).step_by(E::NODES - 1) {
+                    links.push(self.link(bent(&self.element, length * share, nodes)?)?);
+                }
+                let start = |n: usize| nodes[n * (E::NODES - 1)].0;
+                let chain = Chain {
+                    element: self.element,
+                    links,
+                    starts: (0..elements).map(start).collect(),
+                    offset,
+                };
+                (
+                    chain,
+                    nodes.into_iter().map(|(_, frame)| frame).collect(),
+                    length,
+                )
+            }
         };
-        let kernel = self
-            .formulation
-            .kernel(&self.element, &reference, &self.section)?;
-        let inertia = self
-            .density
-            .map(|density| Inertia::new(&self.element, &reference, &self.section, density))
-            .transpose()?;
         let mass = match self.density {
             Some(density) => {
                 let area = self.section.properties()?.area;
@@ -102,17 +192,87 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
             self.section,
             self.formulation,
         );
-        let chain = Chain {
-            element: self.element,
-            kernel,
-            inertia,
-            reference,
-            from,
-            elements,
-            offset,
-        };
-        Ok(Body::new(chain, description))
+        Ok(Body::new(chain, frames, length, description))
     }
+
+    /// Kernel and inertia of one element.
+    fn link<const S: usize>(
+        &self,
+        reference: Reference<R, D, S>,
+    ) -> Result<Link<R, F::Kernel, D, S>>
+    where
+        E: Element<D, S>,
+        F: Formulation<R, E, D, S>,
+        X: Section<R>,
+    {
+        let inertia = |density| Inertia::new(&self.element, &reference, &self.section, density);
+        Ok(Link {
+            kernel: self
+                .formulation
+                .kernel(&self.element, &reference, &self.section)?,
+            inertia: self.density.map(inertia).transpose()?,
+            reference,
+        })
+    }
+}
+
+/// A node of a curved axis, refused unless it is finite with an orthonormal right-handed frame.
+fn checked<R: Real, const D: usize>(
+    s: R,
+    (position, frame): ([R; D], [[R; D]; D]),
+) -> Result<([R; D], [[R; D]; D])> {
+    for number in position.iter().chain(frame.as_flattened()) {
+        finite("coordinate of a beam's axis or frame", *number)?;
+    }
+    let small = R::lit(16.0 * R::EPSILON.sqrt());
+    let unit = |a: usize, b: usize| if a == b { R::one() } else { R::zero() };
+    let mut pairs = (0..D).flat_map(|a| (a..D).map(move |b| (a, b)));
+    let skew = pairs.any(|(a, b)| (dot(&frame[a], &frame[b]) - unit(a, b)).abs() > small);
+    let space = |a: usize| std::array::from_fn(|c| if c < D { frame[a][c] } else { R::zero() });
+    let third = match D {
+        2 => [R::zero(), R::zero(), R::one()],
+        _ => space(2),
+    };
+    if skew || dot(&cross(&space(0), &space(1)), &third) < R::zero() {
+        return Err(Error::Unsupported {
+            what: format!(
+                "the frame {:?} at the fraction {} of a beam's axis",
+                frame.map(|axis| axis.map(Real::value)),
+                s.value()
+            ),
+            remedy: "give the unit tangent and unit directions normal to it and to each other, right-handed",
+        });
+    }
+    Ok((position, frame))
+}
+
+/// Reference of one element of a curved axis through its nodes.
+fn bent<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    _element: &E,
+    length: R,
+    nodes: &[([R; D], [[R; D]; D])],
+) -> Result<Reference<R, D, S>> {
+    let start = nodes[0].0;
+    let span: [R; D] = std::array::from_fn(|c| nodes[E::NODES - 1].0[c] - start[c]);
+    let chord = norm(&span) / length;
+    // A chord is no longer than its arc, and the chord of a half circle is 2/pi of it.
+    if chord > R::lit(1.0 + 16.0 * R::EPSILON.sqrt()) || chord < R::lit(0.6) {
+        return Err(Error::OutOfRange {
+            what: "distance of the ends of a curved element over its arc length",
+            value: chord.value(),
+            range: "0.6 to 1",
+            remedy: "check that the length given is that of the axis and that the axis takes the fraction of the arc length; on a strongly bent axis take more elements",
+        });
+    }
+    let per_node = E::VECTORS.len();
+    let vector = |i: usize| {
+        let (position, frame) = &nodes[i / per_node];
+        match E::VECTORS[i % per_node] {
+            NodalVector::Slope(a) => frame[a],
+            NodalVector::Position => std::array::from_fn(|c| position[c] - start[c]),
+        }
+    };
+    Ok(Reference::curved(length, std::array::from_fn(vector)))
 }
 
 fn norm<R: Real, const D: usize>(v: &[R; D]) -> R {

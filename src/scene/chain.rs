@@ -1,4 +1,4 @@
-//! A body of the system: a chain of equal elements behind one dynamic call per evaluation, so
+//! A body of the system: a chain of elements of one family behind one dynamic call per evaluation, so
 //! that the loop over elements is monomorphic in element, formulation and number type.
 
 use std::fmt::Debug;
@@ -6,21 +6,29 @@ use std::ops::Range;
 
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Inertia, Reference, Tangent, reference_vectors};
+use crate::formulation::{ElementKernel, Inertia, Reference, Tangent};
 use crate::scalar::Real;
 use crate::solver::band::BandMatrix;
+use crate::tensor::sum;
 
-/// Equal elements in a row that share their end nodes. Coordinates are contiguous: element `n`
-/// reads one slice of the system's vector.
+/// Elements in a row that share their end nodes. Coordinates are contiguous: element `n` reads one
+/// slice of the system's vector.
 #[derive(Debug)]
 pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
     pub(super) element: E,
+    /// One link for all elements of a straight beam, one for each of a curved one.
+    pub(super) links: Vec<Link<R, Kn, D, S>>,
+    /// Position of the first node of each element.
+    pub(super) starts: Vec<[R; D]>,
+    pub(super) offset: usize,
+}
+
+/// What one element of a chain is made of.
+#[derive(Debug)]
+pub(super) struct Link<R, Kn, const D: usize, const S: usize> {
     pub(super) kernel: Kn,
     pub(super) inertia: Option<Inertia<R, S>>,
-    pub(super) reference: Reference<R, D>,
-    pub(super) from: [R; D],
-    pub(super) elements: usize,
-    pub(super) offset: usize,
+    pub(super) reference: Reference<R, D, S>,
 }
 
 /// What the system asks of a body. Everything is added to what is given.
@@ -45,7 +53,8 @@ pub(super) struct Body<R, const D: usize> {
     vectors: &'static [NodalVector],
     nodes: usize,
     range: Range<usize>,
-    frame: [[R; D]; D],
+    /// One frame for all nodes of a straight beam, one for each of a curved one.
+    frames: Vec<[[R; D]; D]>,
     length: R,
     has_mass: bool,
     description: String,
@@ -56,13 +65,15 @@ pub(super) struct Body<R, const D: usize> {
 impl<R: Real, const D: usize> Body<R, D> {
     pub(super) fn new<E, Kn, const S: usize>(
         chain: Chain<R, E, Kn, D, S>,
+        frames: Vec<[[R; D]; D]>,
+        length: R,
         description: String,
     ) -> Self
     where
         E: Element<D, S>,
         Kn: ElementKernel<R, D, S>,
     {
-        let nodes = (E::NODES - 1) * chain.elements + 1;
+        let nodes = (E::NODES - 1) * chain.starts.len() + 1;
         let count = nodes * E::VECTORS.len() * D;
         let place = |a| E::VECTORS.iter().position(|v| *v == NodalVector::Slope(a));
         let mut slopes = Some([0; D]);
@@ -78,9 +89,9 @@ impl<R: Real, const D: usize> Body<R, D> {
             vectors: E::VECTORS,
             nodes,
             range: chain.offset..chain.offset + count,
-            frame: chain.reference.frame,
-            length: chain.reference.length * R::lit(chain.elements as f64),
-            has_mass: chain.inertia.is_some(),
+            frames,
+            length,
+            has_mass: chain.links.iter().all(|link| link.inertia.is_some()),
             elastic: Box::new(chain),
         }
     }
@@ -97,8 +108,9 @@ impl<R: Real, const D: usize> Body<R, D> {
     pub(super) fn range(&self) -> Range<usize> {
         self.range.clone()
     }
-    pub(super) fn frame(&self) -> &[[R; D]; D] {
-        &self.frame
+    /// Material frame of a node in the reference state.
+    pub(super) fn frame(&self, node: usize) -> &[[R; D]; D] {
+        &self.frames[node.min(self.frames.len() - 1)]
     }
     pub(super) fn length(&self) -> R {
         self.length
@@ -148,6 +160,11 @@ where
 {
     const STRIDE: usize = (E::NODES - 1) * E::VECTORS.len() * D;
 
+    #[inline(always)]
+    fn link(&self, element: usize) -> &Link<R, Kn, D, S> {
+        &self.links[element.min(self.links.len() - 1)]
+    }
+
     fn range(&self, element: usize) -> Range<usize> {
         let start = self.offset + element * Self::STRIDE;
         start..start + S * D
@@ -175,23 +192,24 @@ where
     Kn: ElementKernel<R, D, S>,
 {
     fn energy(&self, u: &[R]) -> R {
-        let energy = |n| self.kernel.energy(&self.gather(n, u));
-        (0..self.elements).map(energy).sum()
+        let energy = |n| self.link(n).kernel.energy(&self.gather(n, u));
+        (0..self.starts.len()).map(energy).sum()
     }
 
     fn force(&self, u: &[R], q: &mut [R]) {
-        for n in 0..self.elements {
+        for n in 0..self.starts.len() {
             let mut element = [[R::zero(); D]; S];
-            self.kernel.force(&self.gather(n, u), &mut element);
+            self.link(n).kernel.force(&self.gather(n, u), &mut element);
             self.scatter(n, &element, q);
         }
     }
 
     fn tangent(&self, u: &[R], k: &mut BandMatrix<R>) -> Result<()> {
-        for n in 0..self.elements {
+        for n in 0..self.starts.len() {
             let mut force = [[R::zero(); D]; S];
             let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-            self.kernel
+            self.link(n)
+                .kernel
                 .tangent(&self.gather(n, u), &mut force, &mut tangent);
             let block = tangent.as_flattened().as_flattened().as_flattened();
             k.add_block(self.range(n).start, S * D, block)?;
@@ -200,10 +218,10 @@ where
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {
-        let Some(inertia) = &self.inertia else {
-            return Ok(());
-        };
-        for n in 0..self.elements {
+        for n in 0..self.starts.len() {
+            let Some(inertia) = &self.link(n).inertia else {
+                continue;
+            };
             let start = self.range(n).start / D;
             mass.add_block(start, S, inertia.mass.as_flattened())?;
             for i in 0..S {
@@ -214,25 +232,28 @@ where
     }
 
     fn reference(&self, e: &mut [R]) {
-        for n in 0..self.elements {
-            let along = self.reference.length * R::lit(n as f64);
-            let origin = std::array::from_fn(|c| self.from[c] + along * self.reference.frame[0][c]);
-            let vectors = reference_vectors(&self.element, &self.reference, &origin);
+        for n in 0..self.starts.len() {
+            let mut vectors = self.link(n).reference.vectors;
+            for (i, vector) in vectors.iter_mut().enumerate() {
+                if E::VECTORS[i % E::VECTORS.len()] == NodalVector::Position {
+                    *vector = sum(vector, &self.starts[n]);
+                }
+            }
             e[self.range(n)].copy_from_slice(vectors.as_flattened());
         }
     }
 
     fn couplings(&self) -> Vec<Range<usize>> {
-        (0..self.elements).map(|n| self.range(n)).collect()
+        (0..self.starts.len()).map(|n| self.range(n)).collect()
     }
 
     fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>) {
-        let along = s * R::lit(self.elements as f64);
-        let last = self.elements - 1;
-        let n = (along.value().max(0.0) as usize).min(last);
-        let mut x = y.map(|y| y / self.reference.length);
+        let along = s * R::lit(self.starts.len() as f64);
+        let n = (along.value().max(0.0) as usize).min(self.starts.len() - 1);
+        let length = self.link(n).reference.length;
+        let mut x = y.map(|y| y / length);
         x[0] = along - R::lit(n as f64);
-        let shape = self.element.shape(self.reference.length, x);
+        let shape = self.element.shape(length, x);
         (self.range(n).start, shape.to_vec())
     }
 }

@@ -253,7 +253,7 @@ impl<R: Real, const D: usize> Scene<R, D> {
         amplitude: Option<Amplitude<R>>,
     ) -> Result<()> {
         let (body, _) = self.locate(node)?;
-        let frame = *body.frame();
+        let frame = *body.frame(node.index);
         moment.check(&frame)?;
         let mut slopes = [0; D];
         for axis in moment.law.slopes(D) {

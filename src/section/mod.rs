@@ -7,6 +7,7 @@
 mod annulus;
 mod disk;
 mod ellipse;
+mod moments;
 mod offset;
 mod outline;
 mod profile;
@@ -15,6 +16,7 @@ mod rectangle;
 pub use annulus::Annulus;
 pub use disk::Disk;
 pub use ellipse::Ellipse;
+pub use moments::Moments;
 pub use offset::Offset;
 pub use outline::{Loop, Outline};
 pub use profile::{box_profile, c_profile, i_profile, l_profile, t_profile};

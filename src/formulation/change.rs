@@ -1,0 +1,158 @@
+//! Numbers that know how far they are from their value in the reference state. A strain is the
+//! difference of two nearly equal numbers; formed at the end it has lost the digits that a slender
+//! beam needs, carried along through every operation it keeps them. Laws write their strains as in
+//! the book, in these numbers, and take the change.
+
+use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use num_traits::{One, Zero};
+
+use crate::scalar::{Algebra, Field, Scalar};
+
+/// A value and its change since the reference state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Change<T> {
+    pub(super) value: T,
+    pub(super) change: T,
+}
+
+/// The vectors `g = g0 + h` of a section law.
+#[inline(always)]
+pub(super) fn changes<R: Copy, T: Algebra<R>, const D: usize, const K: usize>(
+    reference: &[[R; D]; K],
+    h: &[[T; D]; K],
+) -> [[Change<T>; D]; K] {
+    std::array::from_fn(|k| {
+        std::array::from_fn(|c| Change {
+            value: T::lift(reference[k][c]) + h[k][c],
+            change: h[k][c],
+        })
+    })
+}
+
+impl<T: Scalar> Change<T> {
+    /// A number that is the same in every state.
+    #[inline(always)]
+    fn fixed(value: T) -> Self {
+        let change = T::zero();
+        Self { value, change }
+    }
+}
+
+impl<T: Field> Change<T> {
+    /// One over the square root of a positive number.
+    #[inline(always)]
+    pub(super) fn rsqrt(self) -> Self {
+        let (now, then) = (self.value.sqrt(), (self.value - self.change).sqrt());
+        let product = now * then;
+        Self {
+            value: now.recip(),
+            change: -self.change / (product * (now + then)),
+        }
+    }
+}
+
+impl<T: Scalar> Add for Change<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.value + other.value,
+            change: self.change + other.change,
+        }
+    }
+}
+
+impl<T: Scalar> Neg for Change<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            value: -self.value,
+            change: -self.change,
+        }
+    }
+}
+
+impl<T: Scalar> Sub for Change<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            value: self.value - other.value,
+            change: self.change - other.change,
+        }
+    }
+}
+
+impl<T: Scalar> Mul for Change<T> {
+    type Output = Self;
+    /// `a b - a0 b0 = (a - a0) b + a0 (b - b0)`.
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let then = self.value - self.change;
+        Self {
+            value: self.value * other.value,
+            change: self.change * other.value + then * other.change,
+        }
+    }
+}
+
+impl<T: Scalar> AddAssign for Change<T> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<T: Scalar> SubAssign for Change<T> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<T: Scalar> MulAssign for Change<T> {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl<T: Scalar> Zero for Change<T> {
+    fn zero() -> Self {
+        Self::fixed(T::zero())
+    }
+    fn is_zero(&self) -> bool {
+        self.value.is_zero() && self.change.is_zero()
+    }
+}
+
+impl<T: Scalar> One for Change<T> {
+    fn one() -> Self {
+        Self::fixed(T::one())
+    }
+}
+
+impl<T: Scalar> Scalar for Change<T> {
+    fn lit(x: f64) -> Self {
+        Self::fixed(T::lit(x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The change of `x / sqrt(x^2 + 1)` from x = 1 by 1e-12, which the difference of the two
+    /// values knows to four digits.
+    #[test]
+    fn small_changes_keep_their_digits() {
+        let h = 1e-12;
+        let [[x]] = changes::<f64, f64, 1, 1>(&[[1.0]], &[[h]]);
+        let f = x * (x * x + Change::one()).rsqrt();
+        let slope = 0.5_f64.sqrt() / 2.0;
+        assert!((f.change / (slope * h) - 1.0).abs() < 1e-11);
+        assert!((f.value - 0.5_f64.sqrt()).abs() < 1e-11);
+    }
+}
