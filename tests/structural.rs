@@ -161,7 +161,9 @@ fn moments_give_the_inertia_they_state() {
         ([0.0, 1.0, 0.0], 2.0 * 27.0 / 3.0 + 3.0 * 7.0),
         ([0.0, 0.0, 1.0], 2.0 * 27.0 / 3.0 + 3.0 * 5.0),
     ] {
-        system.set_rigid_velocity(&mut state, [0.0; 3], omega);
+        system
+            .set_rigid_velocity(&mut state, [0.0; 3], omega)
+            .unwrap();
         let kinetic = system.energies(&state).unwrap().kinetic;
         assert!(
             (kinetic - 0.5 * inertia).abs() < 1e-12,
@@ -269,7 +271,9 @@ where
     let (scene, _) = arc(element, formulation.clone());
     let system = scene.assemble().unwrap();
     let mut state = system.rest();
-    system.set_rigid_velocity(&mut state, [1.0, 0.0], [0.0; 3]);
+    system
+        .set_rigid_velocity(&mut state, [1.0, 0.0], [0.0; 3])
+        .unwrap();
     let mass = 2.0 * system.energies(&state).unwrap().kinetic;
 
     let (mut scene, beam) = arc(element, formulation);
