@@ -248,6 +248,14 @@ pub enum Error {
         /// Number of unknowns.
         size: usize,
     },
+    /// A check of [`verify`](crate::verify) found what theory forbids.
+    #[error("{subject} fails its checks: {rows}; print the report for what was measured")]
+    CheckFailed {
+        /// What was examined.
+        subject: String,
+        /// The failed rows, each with its value and limit.
+        rows: String,
+    },
     /// An array or matrix has the wrong size.
     #[error("{what} is {given}, but must be {needed}: it must match the model it is used with")]
     Length {

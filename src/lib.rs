@@ -54,6 +54,7 @@
 //! | [`solver`] | band factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
 //! | [`analytical`] | exact solutions to test against |
+//! | [`verify`] | checks of your own elements, sections, materials and derivatives |
 
 pub mod analytical;
 pub mod element;
@@ -67,6 +68,7 @@ pub mod scene;
 pub mod section;
 pub mod solver;
 mod tensor;
+pub mod verify;
 
 pub use error::{Error, Result};
 

@@ -139,6 +139,24 @@ pub trait Formulation<R: Real, E: Element<D, S>, const D: usize, const S: usize>
     ) -> Result<Self::Kernel>;
 }
 
+impl<R, E, F, const D: usize, const S: usize> Formulation<R, E, D, S> for &F
+where
+    R: Real,
+    E: Element<D, S>,
+    F: Formulation<R, E, D, S>,
+{
+    type Kernel = F::Kernel;
+
+    fn kernel(
+        &self,
+        element: &E,
+        reference: &Reference<R, D>,
+        section: &dyn Section<R>,
+    ) -> Result<Self::Kernel> {
+        (**self).kernel(element, reference, section)
+    }
+}
+
 /// A rule in the cross coordinates of a `D`-dimensional scene: points `X = (0, y[, z])` (m) and
 /// weights (m^2). In the plane the section is projected (weights carry the width).
 pub(crate) fn section_points<R: Real, const D: usize>(

@@ -1,0 +1,62 @@
+//! Materials and kernels stripped of their closed forms, so that dual numbers give the rest: the
+//! truth closed forms answer to, and what a law costs that has none.
+
+use crate::formulation::ElementKernel;
+use crate::material::{Material, Tensor};
+use crate::scalar::{Algebra, Real};
+
+/// A material or an element kernel reduced to its energy: every derivative by dual numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByEnergy<M>(pub M);
+
+impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByEnergy<M> {
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
+        self.0.energy(strain)
+    }
+}
+
+impl<R, K, const D: usize, const S: usize> ElementKernel<R, D, S> for ByEnergy<K>
+where
+    R: Real,
+    K: ElementKernel<R, D, S>,
+{
+    #[inline]
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        self.0.energy(u)
+    }
+}
+
+/// A material reduced to its energy and stress: elasticity by dual numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByStress<M>(pub M);
+
+impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByStress<M> {
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
+        self.0.energy(strain)
+    }
+    #[inline(always)]
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        self.0.stress(strain)
+    }
+}
+
+/// An element kernel reduced to its energy and force: tangent by dual numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByForce<K>(pub K);
+
+impl<R, K, const D: usize, const S: usize> ElementKernel<R, D, S> for ByForce<K>
+where
+    R: Real,
+    K: ElementKernel<R, D, S>,
+{
+    #[inline]
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        self.0.energy(u)
+    }
+    #[inline]
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        self.0.force(u, q);
+    }
+}
