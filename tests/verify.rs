@@ -285,7 +285,7 @@ impl Formulation<f64, FullyParameterised, 2, 6> for Careless {
     fn kernel(
         &self,
         element: &FullyParameterised,
-        reference: &Reference<f64, 2>,
+        reference: &Reference<f64, 2, 6>,
         section: &dyn Section<f64>,
     ) -> Result<CarelessKernel> {
         let inner = Continuum::full(rubber()).kernel(element, reference, section)?;
@@ -608,10 +608,7 @@ fn the_best_increment_is_the_root_of_machine_epsilon_that_theory_says() {
 
 #[test]
 fn kernels_and_systems_pass_and_wrong_tangents_do_not() {
-    let reference = Reference {
-        length: 0.3,
-        frame: [[1.0, 0.0], [0.0, 1.0]],
-    };
+    let reference = Reference::straight(&FullyParameterised, 0.3, [[1.0, 0.0], [0.0, 1.0]]);
     let disk = Disk::new(0.04).unwrap();
     let units = std::array::from_fn(|i| if i % 3 == 0 { 0.3 } else { 1.0 });
     let u: [[f64; 2]; 6] = std::array::from_fn(|i| {

@@ -150,7 +150,7 @@ where
     fn kernel(
         &self,
         element: &E,
-        reference: &Reference<R, D>,
+        reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
         (**self).kernel(element, reference, section)

@@ -8,7 +8,7 @@ use super::material::most;
 use super::{ByEnergy, ByForce, Limit, Report};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
-use crate::formulation::{Continuum, ElementKernel, Formulation, Reference, reference_vectors};
+use crate::formulation::{Continuum, ElementKernel, Formulation, Reference};
 use crate::section::Section;
 
 /// Rounding allowed in a force or tangent.
@@ -34,12 +34,9 @@ where
     F: Formulation<f64, E, D, S>,
     X: Section<f64>,
 {
-    let reference = Reference {
-        length,
-        frame: tilted(),
-    };
+    let reference = Reference::straight(element, length, tilted());
     let kernel = || formulation.kernel(element, &reference, section);
-    let rest = reference_vectors(element, &reference, &[0.0; D]);
+    let rest = reference.vectors;
     let mut bench = Bench::<_, E, D, S> {
         element: *element,
         kernel: ByForce(kernel()?),
@@ -74,10 +71,7 @@ where
     X: Section<f64>,
 {
     const FINEST: (usize, usize) = (5, 5);
-    let reference = Reference {
-        length: 1.0,
-        frame: tilted(),
-    };
+    let reference = Reference::straight(element, 1.0, tilted());
     let mut report = Report::new(format!("{element:?} in {D} dimensions on {section:?}"));
     for axial in 1..=FINEST.0 {
         for degree in (1..=FINEST.1).step_by(2) {
@@ -99,7 +93,7 @@ where
 }
 
 /// A frame out of the global axes, so that components cannot be taken for one another.
-fn tilted<const D: usize>() -> [[f64; D]; D] {
+pub(super) fn tilted<const D: usize>() -> [[f64; D]; D] {
     turn(
         &std::array::from_fn(|a| std::array::from_fn(|c| if a == c { 1.0 } else { 0.0 })),
         0.7,
@@ -127,7 +121,7 @@ pub(super) struct Bench<K, E, const D: usize, const S: usize> {
     /// The kernel on trial, and what dual numbers make of its force and of its energy.
     kernel: ByForce<K>,
     energy: ByEnergy<K>,
-    pub(super) reference: Reference<f64, D>,
+    pub(super) reference: Reference<f64, D, S>,
     /// Reference nodal vectors.
     rest: [[f64; D]; S],
     /// Largest entry of the tangent at rest in units of energy (J).

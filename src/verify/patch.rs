@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Report;
-use super::formulation::{Bench, EXACT, Nodal, largest};
+use super::formulation::{Bench, EXACT, Nodal, largest, tilted};
 use super::report::Limit;
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
@@ -50,7 +50,7 @@ where
     }
 
     fn global(&self, v: &[f64; D]) -> [f64; D] {
-        let f = &self.reference.frame;
+        let f = &tilted::<D>();
         std::array::from_fn(|c| (0..D).map(|a| f[a][c] * v[a]).sum())
     }
 
@@ -145,7 +145,7 @@ where
             });
             let (q, k) = self.tangent(self.kernel(), &u);
             let project = DMatrix::from_fn(S * D, axes.len(), |row, j| match direction(row / D) {
-                Some(at) if at == j => self.reference.frame[axes[j]][row % D],
+                Some(at) if at == j => tilted::<D>()[axes[j]][row % D],
                 _ => 0.0,
             });
             let g = project.transpose() * DVector::from_vec(q);
