@@ -11,6 +11,8 @@ enum Expected {
     True,
     /// The paper is not right, for this reason.
     False(&'static str),
+    /// Nothing: the figure is only reported.
+    Nothing,
 }
 
 /// One line of the table.
@@ -73,21 +75,55 @@ impl Claim {
         Self::holds(section, statement, paper, measured, range)
     }
 
-    /// Whether the measurement is what was expected.
-    pub fn passed(&self) -> bool {
-        self.range.contains(&self.measured)
+    /// A figure that is printed and not checked: it depends on rounding, so that no range would be
+    /// right for every machine.
+    pub fn reported(
+        section: &'static str,
+        statement: impl Into<String>,
+        paper: impl Into<String>,
+        measured: (f64, &'static str),
+    ) -> Self {
+        Self {
+            expected: Expected::Nothing,
+            ..Self::holds(
+                section,
+                statement,
+                paper,
+                measured,
+                f64::NEG_INFINITY..=f64::INFINITY,
+            )
+        }
     }
 
-    fn verdict(&self) -> String {
+    /// Whether there is an expectation to meet.
+    pub fn checked(&self) -> bool {
+        self.expected != Expected::Nothing
+    }
+
+    /// Whether the measurement is what was expected; always so when nothing was.
+    pub fn passed(&self) -> bool {
+        !self.checked() || self.range.contains(&self.measured)
+    }
+
+    fn verdict(&self) -> &'static str {
         match (self.passed(), self.expected) {
-            (false, _) => "FAIL".into(),
-            (true, Expected::True) => "holds".into(),
-            (true, Expected::False(reason)) => format!("does not hold (as expected: {reason})"),
+            (false, _) => "FAIL",
+            (true, Expected::True) => "holds",
+            (true, Expected::False(_)) => "does not hold",
+            (true, Expected::Nothing) => "reported",
+        }
+    }
+
+    /// Why a claim that does not hold was expected not to; empty otherwise.
+    fn reason(&self) -> &'static str {
+        match (self.passed(), self.expected) {
+            (true, Expected::False(reason)) => reason,
+            _ => "",
         }
     }
 
     /// The cells of the table.
-    pub fn cells(&self) -> [String; 6] {
+    pub fn cells(&self) -> [String; 7] {
         let unit = match self.unit {
             "" => String::new(),
             unit => format!(" {unit}"),
@@ -98,17 +134,24 @@ impl Claim {
             self.paper.clone(),
             format!("{}{unit}", number(self.measured)),
             match (*self.range.start(), *self.range.end()) {
+                _ if !self.checked() => "-".into(),
                 (f64::NEG_INFINITY, end) => format!("at most {}", number(end)),
                 (start, f64::INFINITY) => format!("at least {}", number(start)),
                 (start, end) => format!("{} to {}", number(start), number(end)),
             },
-            self.verdict(),
+            self.verdict().into(),
+            self.reason().into(),
         ]
     }
 }
 
 /// Headings of the columns.
-pub const HEADINGS: [&str; 6] = ["", "claim", "paper", "ours", "expected", "verdict"];
+pub const HEADINGS: [&str; 7] = [
+    "", "claim", "paper", "ours", "expected", "verdict", "reason",
+];
+
+/// Characters per line of the table.
+const WIDTH: usize = 120;
 
 /// A number with as many digits as the table needs.
 pub fn number(x: f64) -> String {
@@ -126,19 +169,52 @@ pub fn number(x: f64) -> String {
     }
 }
 
-/// The table as text, one claim per line.
+/// Words on lines of at most `width` characters.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().expect("there is always a line");
+        if line.is_empty() {
+            line.push_str(word);
+        } else if line.chars().count() + 1 + word.chars().count() <= width {
+            line.push(' ');
+            line.push_str(word);
+        } else {
+            lines.push(word.into());
+        }
+    }
+    lines
+}
+
+/// The table as text: figures beside the first line of each claim, reasons on lines of their own.
 pub fn table(claims: &[Claim]) -> String {
     let mut rows = vec![HEADINGS.map(String::from)];
+    rows[0][6].clear();
     rows.extend(claims.iter().map(Claim::cells));
-    let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
-    let widths: [usize; 5] = std::array::from_fn(width);
+    let widest = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
+    let mut widths: [usize; 6] = std::array::from_fn(widest);
+    // Claims take what the other columns leave, with two blanks between columns.
+    let others: usize = widths.iter().sum::<usize>() - widths[1];
+    widths[1] = WIDTH.saturating_sub(others + 10).max(24);
+    let indent = " ".repeat(widths[0] + 2);
     let mut text = String::new();
     for row in &rows {
-        for (cell, width) in row.iter().zip(widths) {
-            text += &format!("{cell:<width$}  ");
+        let lines = wrap(&row[1], widths[1]);
+        let mut first = String::new();
+        for (c, width) in widths.into_iter().enumerate() {
+            let cell = if c == 1 { &lines[0] } else { &row[c] };
+            first += &format!("{cell:<width$}  ");
         }
-        text += &row[5];
+        text += first.trim_end();
         text.push('\n');
+        for line in &lines[1..] {
+            text += &format!("{indent}{line}\n");
+        }
+        if !row[6].is_empty() {
+            for line in wrap(&format!("(as expected: {})", row[6]), WIDTH - indent.len()) {
+                text += &format!("{indent}{line}\n");
+            }
+        }
     }
     text
 }

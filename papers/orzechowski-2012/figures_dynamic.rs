@@ -162,10 +162,17 @@ pub fn energies(study: &pendulum::Study, directory: &Path) -> Made {
         notes: Vec::new(),
     };
     let drift = curve(|s| 1e3 * s.energies.total());
+    // The axis covers the data and zero, to the next ten beyond.
+    let lowest = drift.iter().map(|p| p[1]).fold(0.0, f64::min);
+    let highest = drift.iter().map(|p| p[1]).fold(0.0, f64::max);
+    let [from, to] = [
+        10.0 * (lowest / 10.0 - 0.2).floor(),
+        10.0 * (highest / 10.0 + 0.2).ceil(),
+    ];
     let total = Panel {
         title: "Total energy alone".into(),
         x: Axis::linear("time [s]", 0.0, 10.0),
-        y: Axis::linear("total energy [mJ]", -40.0, 10.0),
+        y: Axis::linear("total energy [mJ]", from, to),
         series: vec![Series::new("", colour::BLACK, Stroke::Solid, drift)],
         notes: Vec::new(),
     };
@@ -190,6 +197,13 @@ pub fn fixed_steps(study: &fixed_step::Study, directory: &Path) -> Made {
         (1e-3, "1 ms", colour::BLUE),
         (1e-4, "0.1 ms", colour::GREEN),
     ];
+    // One axis for all panels, to the decade above the data.
+    let disks = study.runs().iter().filter(|(case, _)| {
+        case.shape == fixed_step::Shape::Disk && case.residual == fixed_step::RESIDUAL
+    });
+    let worst = disks.map(|(_, track)| track.worst_balance());
+    let worst = worst.filter(|x| x.is_finite()).fold(1e-2, f64::max);
+    let top = 10_f64.powf(worst.log10().floor() + 1.0);
     let mut panels = Vec::new();
     for (refresh, title) in [
         (Refresh::Never, "Tangent never renewed"),
@@ -218,20 +232,21 @@ pub fn fixed_steps(study: &fixed_step::Study, directory: &Path) -> Made {
                 series.push(Series::new("", tint, Stroke::Crosses, last));
             }
         }
-        let failed = Series::new(
-            "Newton's method fails",
-            colour::BLACK,
-            Stroke::Crosses,
-            vec![],
-        );
-        series.push(failed);
+        let stopped = Series::new("the run stops", colour::BLACK, Stroke::Crosses, vec![]);
+        series.push(stopped);
+        let last = tints[..4]
+            .iter()
+            .filter_map(|(step, ..)| study.find(fixed_step::Case::disk(refresh, *step)))
+            .map(|track| track.reached)
+            .fold(0.0, f64::max);
+        let note = format!("1 to 10 ms: stops within {:.2} s", last + 0.005);
         panels.push(Panel {
             title: title.into(),
             x: Axis::linear("time [s]", 0.0, 10.0),
-            y: Axis::log("|energy error| [J]", 1e-7, 1e5),
+            y: Axis::log("|energy error| [J]", 1e-7, top),
             series,
             notes: match refresh {
-                Refresh::Never => vec![([0.4, 0.1], "1 to 10 ms: fails within 0.12 s".into())],
+                Refresh::Never => vec![([0.4, 0.1], note)],
                 _ => Vec::new(),
             },
         });

@@ -43,6 +43,8 @@ pub struct Case {
 
 /// The residual tolerance of the study.
 pub const RESIDUAL: f64 = 1e-8;
+/// A tolerance near what rounding allows.
+pub const TIGHT: f64 = 1e-10;
 
 impl Case {
     /// A run of the disk.
@@ -133,7 +135,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
             cases.push(Case::disk(refresh, 1e-4));
         }
         cases.push(Case {
-            residual: 1e-10,
+            residual: TIGHT,
             ..Case::disk(Never, 1e-4)
         });
     }

@@ -42,11 +42,24 @@ struct Options {
     quick: bool,
 }
 
+/// A bar on a terminal; elsewhere a line when a stage begins.
 fn bar(what: &'static str, cases: usize) -> Result<ProgressBar, Box<dyn Error>> {
     let bar = ProgressBar::new(cases as u64).with_message(what);
+    if bar.is_hidden() {
+        eprintln!("{what}: {cases} cases");
+    }
     let style = "{msg:<28} {bar:40} {pos:>3}/{len} cases, {elapsed}";
     bar.set_style(ProgressStyle::with_template(style)?);
     Ok(bar)
+}
+
+/// The end of a stage, with a line where there is no terminal.
+fn done(bar: &ProgressBar) {
+    bar.finish();
+    if bar.is_hidden() {
+        let seconds = bar.elapsed().as_secs_f64();
+        eprintln!("{}: done in {seconds:.0} s", bar.message());
+    }
 }
 
 fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
@@ -59,14 +72,14 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
 
     let progress = bar("5.1 static bending", static_bending::cases().len())?;
     let bending = static_bending::Study::run(&progress);
-    progress.finish();
+    done(&progress);
     tables::roll_up(&bending, out)?;
     figures_static::all(&bending, out)?;
     claims.extend(check_static::bending(&bending)?);
 
     let progress = bar("5.2 pendulum", pendulum::cases(options.quick).len())?;
     let swing = pendulum::Study::run(options.quick, &progress)?;
-    progress.finish();
+    done(&progress);
     tables::pendulum(&swing, out)?;
     figures_dynamic::trajectories(&swing, &references, out)?;
     figures_dynamic::distances(&swing, &references, out)?;
@@ -75,25 +88,26 @@ fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
 
     let progress = bar("5.2 fixed steps", fixed_step::cases(options.quick).len())?;
     let fixed = fixed_step::Study::run(options.quick, &progress)?;
-    progress.finish();
+    done(&progress);
     tables::fixed_step(&fixed, out)?;
     figures_dynamic::fixed_steps(&fixed, out)?;
     claims.extend(check_dynamic::fixed_steps(&fixed));
 
     let progress = bar("5.3 ramp", ramp::cases().len())?;
     let loading = ramp::Study::run(&progress)?;
-    progress.finish();
+    done(&progress);
     tables::ramp(&loading, out)?;
     figures_dynamic::ramp(&loading, &references, out)?;
     claims.extend(check_dynamic::ramp(&loading, &references)?);
 
     tables::claims(&claims, out)?;
     println!("{}", claims::table(&claims));
+    let checked = claims.iter().filter(|claim| claim.checked()).count();
     let failed = claims.iter().filter(|claim| !claim.passed()).count();
     println!(
-        "{} of {} checks pass; {:.0} s; tables and figures in {}",
-        claims.len() - failed,
-        claims.len(),
+        "{} of {checked} checks pass, {} more figures are reported; {:.0} s; tables and figures in {}",
+        checked - failed,
+        claims.len() - checked,
         start.elapsed().as_secs_f64(),
         out.display()
     );

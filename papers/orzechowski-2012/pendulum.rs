@@ -27,6 +27,16 @@ pub enum Steps {
     Controlled(Estimator),
 }
 
+impl Steps {
+    /// Name in tables and files.
+    pub fn name(self) -> String {
+        match self {
+            Self::Fixed(step) => format!("fixed{step}"),
+            Self::Controlled(estimator) => format!("{estimator:?}"),
+        }
+    }
+}
+
 /// One run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {

@@ -139,9 +139,10 @@ pub struct Study {
     pub outcomes: Vec<Outcome>,
 }
 
-/// Angles (degrees) by which the order-2 rule is turned.
-pub const TURNS: [f64; 13] = [
-    0.0, 7.5, 15.0, 20.0, 22.5, 25.0, 30.0, 37.5, 45.0, 52.5, 60.0, 75.0, 90.0,
+/// Angles (degrees) by which the order-2 rule is turned, mirrored about 45.
+pub const TURNS: [f64; 17] = [
+    0.0, 7.5, 15.0, 20.0, 22.5, 25.0, 30.0, 37.5, 45.0, 52.5, 60.0, 65.0, 67.5, 70.0, 75.0, 82.5,
+    90.0,
 ];
 
 /// The cases of the study.

@@ -91,22 +91,48 @@ fn slug(rule: Rule) -> String {
     rule.name().replace(' ', "-")
 }
 
-/// Every run of the pendulum.
+/// Every run of the pendulum, and its effort and energy in one table.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn pendulum(study: &pendulum::Study, directory: &Path) -> Made {
     for (case, run) in study.runs() {
-        let steps = match case.steps {
-            pendulum::Steps::Fixed(step) => format!("fixed{step}"),
-            pendulum::Steps::Controlled(estimator) => format!("{estimator:?}"),
-        };
+        let steps = case.steps.name();
         let rule = slug(case.rule);
         let (n, nu, end) = (case.elements, case.poisson, case.end);
         let name = format!("pendulum_n{n}_nu{nu}_{rule}_{steps}_{end}s.csv");
         track(run, &directory.join(name))?;
     }
-    Ok(())
+    let rows = study.runs().iter().map(|(case, run)| {
+        let report = run.report;
+        [
+            case.elements.to_string(),
+            case.poisson.to_string(),
+            case.rule.name(),
+            case.steps.name(),
+            case.end.to_string(),
+            report.steps.to_string(),
+            report.rejected.to_string(),
+            report.failed.to_string(),
+            report.iterations.to_string(),
+            format!("{:.6}", run.energy_error(2.0)),
+            format!("{:.6}", run.energy_error(case.end)),
+        ]
+    });
+    let headings = [
+        "elements",
+        "poisson",
+        "rule",
+        "stepping",
+        "end_s",
+        "steps",
+        "rejected",
+        "failed",
+        "iterations",
+        "energy_error_to_2s_J",
+        "energy_error_to_end_J",
+    ];
+    write(&directory.join("pendulum.csv"), headings, rows)
 }
 
 /// Every run of the ramp.
@@ -136,7 +162,9 @@ pub fn fixed_step(study: &fixed_step::Study, directory: &Path) -> Made {
             case.residual.to_string(),
             format!("{:.4}", run.reached),
             format!("{:.4e}", run.balance),
+            format!("{:.4e}", run.worst_balance()),
             run.report.steps.to_string(),
+            run.report.at_floor.to_string(),
             run.report.iterations.to_string(),
             format!("{:.2e}", run.out_of_plane()),
             run.failure.clone().unwrap_or_default(),
@@ -150,7 +178,9 @@ pub fn fixed_step(study: &fixed_step::Study, directory: &Path) -> Made {
         "residual",
         "reached_s",
         "energy_error_J",
+        "largest_energy_error_J",
         "steps",
+        "steps_at_rounding_floor",
         "iterations",
         "out_of_plane_m",
         "failure",

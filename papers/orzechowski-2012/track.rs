@@ -120,6 +120,19 @@ impl Track {
             .fold(0.0, f64::max)
     }
 
+    /// Largest size of the total energy (J), which starts from zero, up to `end` (s).
+    pub fn energy_error(&self, end: f64) -> f64 {
+        let before = self.samples.iter().filter(|s| s.time <= end + 1e-6);
+        let sizes = before.map(|s| s.energies.total().abs());
+        sizes.fold(0.0, f64::max)
+    }
+
+    /// Largest size of the energy balance (J), at the samples and at the end.
+    pub fn worst_balance(&self) -> f64 {
+        let sizes = self.samples.iter().map(|s| s.energies.balance().abs());
+        sizes.fold(self.balance.abs(), f64::max)
+    }
+
     /// Largest distance of the tip from the plane of the motion (m).
     pub fn out_of_plane(&self) -> f64 {
         let heights = self.samples.iter().map(|s| s.tip[2].abs());
