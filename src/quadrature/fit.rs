@@ -1,11 +1,16 @@
 //! Moment fitting: a positive rule with few points for a region of which only the moments and a
-//! dense positive sample are known. The sample is thinned to as many points as moments by
-//! Caratheodory's theorem; then points are taken away one by one while Gauss and Newton's method
-//! finds positions and weights of the others that carry the moments (Xiao and Gimbutas 2010).
-//! All decisions are made in double precision; the moments are met in twice the working one.
+//! dense positive sample are known. At most as many points as moments are chosen from the sample
+//! in two ways, by a linear program whose cost makes them gather about the points of a Gauss rule
+//! (Ryu and Boyd 2015), and by handing weights on, after Caratheodory's theorem. From each choice
+//! points are taken away one by one while Gauss and Newton's method finds positions and weights
+//! of the others that carry the moments (Xiao and Gimbutas 2010); the rule with fewer points is
+//! taken. All decisions are made in double precision; the moments are met in twice the working
+//! one.
 
 use std::ops::{Add, Mul, Sub};
 
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::twofold::Twofold;
@@ -55,6 +60,16 @@ struct Node {
 /// eighth power of the degree: here it takes up to a quarter of a second, once for a beam.
 const THINNED: usize = 8;
 
+/// Most work of a step of the linear program, as candidates times the square of moments, for it
+/// to be tried: some 30 ms in all. Larger programs have not paid.
+const PROGRAMMED: usize = 1_500_000;
+
+/// Share of chance in the costs of the linear program: enough to tell mirror images apart.
+const CHANCE: f64 = 0.1;
+
+/// Weights of the linear program that count as zero, relative to the largest.
+const ABSENT: f64 = 1e-6;
+
 /// A rule of positive weights with its points in the region, in the coordinates of `shape`.
 pub(crate) fn fit<R: Real, F: Fn([f64; 2]) -> bool>(shape: Shape<R, F>) -> Result<Weighted<R>> {
     let failed = |cause| Error::NoRule {
@@ -63,20 +78,16 @@ pub(crate) fn fit<R: Real, F: Fn([f64; 2]) -> bool>(shape: Shape<R, F>) -> Resul
         remedy: "lower the degree, or thicken the thinnest walls",
     };
     let fitting = Fitting::new(&shape).ok_or(failed("its moments are not independent"))?;
-    let mut nodes = fitting
-        .settled(fitting.vertex())
-        .ok_or(failed("positions and weights do not settle on the moments"))?;
-    if shape.degree <= THINNED {
-        nodes = fitting.thinned(nodes);
-    }
-    let rule = fitting.polished(&nodes);
-    let sound = |(x, w): &([Twofold<R>; 2], Twofold<R>)| {
-        w.round() > R::zero() && (shape.inside)(x.map(|x| x.round().value()))
-    };
-    if rule.iter().all(sound) {
-        Ok(rule)
-    } else {
-        Err(failed("the last digits drive a point out of the material"))
+    let programmed = fitting.programmed().and_then(|v| fitting.rule(v).ok());
+    match programmed {
+        Some(rule) if rule.len() <= fitting.fewest() => Ok(rule),
+        Some(rule) => match fitting.rule(fitting.exchanged(&shape.candidates)) {
+            Ok(other) if other.len() < rule.len() => Ok(other),
+            _ => Ok(rule),
+        },
+        None => fitting
+            .rule(fitting.exchanged(&shape.candidates))
+            .map_err(failed),
     }
 }
 
@@ -117,9 +128,122 @@ impl<'a, R: Real, F: Fn([f64; 2]) -> bool> Fitting<'a, R, F> {
         rows
     }
 
+    /// No rule has fewer points than there are polynomials of half the degree: the square of one
+    /// that is zero at all points has a positive integral.
+    fn fewest(&self) -> usize {
+        pairs(self.shape.degree / 2).count()
+    }
+
+    /// The rule that a choice of points leads to, or why there is none.
+    fn rule(&self, vertex: Vec<Node>) -> std::result::Result<Weighted<R>, &'static str> {
+        let settled = self.settled(vertex);
+        let mut nodes = settled.ok_or("positions and weights do not settle on the moments")?;
+        if self.shape.degree <= THINNED {
+            nodes = self.thinned(nodes);
+        }
+        let rule = self.polished(&nodes);
+        let sound = |(x, w): &([Twofold<R>; 2], Twofold<R>)| {
+            w.round() > R::zero() && (self.shape.inside)(x.map(|x| x.round().value()))
+        };
+        let sound = rule.iter().all(sound);
+        sound
+            .then_some(rule)
+            .ok_or("the last digits drive a point out of the material")
+    }
+
+    /// At most as many points as moments, chosen among the candidates by a linear program: of
+    /// all nonnegative weights with the moments, those with the least mean square of the
+    /// orthonormal polynomials of the degree beyond half. On a line that mean is zero for the
+    /// Gauss rule alone; in the plane it draws the points together where a rule of few points
+    /// has them. A share of chance in the cost, the same at every call, makes the answer unique
+    /// in symmetric sections. None if the program is too large, has no such polynomials, would not
+    /// be followed by thinning, or is not solved.
+    fn programmed(&self) -> Option<Vec<Node>> {
+        let Shape {
+            degree, candidates, ..
+        } = self.shape;
+        let (m, n) = (self.target.len(), candidates.len());
+        let work = n.saturating_mul(m).saturating_mul(m);
+        if *degree == 0 || *degree > THINNED || work > PROGRAMMED {
+            return None;
+        }
+        let columns = self.orthonormal(&values(*degree, candidates.iter().map(|c| c.0)));
+        // Equations of unit rows: the unknowns are weights over the roots of those that the
+        // candidates have, in units that make the right-hand side a unit vector.
+        let mut moments = self.target.clone();
+        self.lower.solve_lower_triangular_mut(&mut moments);
+        let unit = moments.norm();
+        let roots: Vec<f64> = candidates.iter().map(|c| c.1.sqrt()).collect();
+        let top = pairs(*degree).map(|(a, b)| a + b == degree / 2 + 1);
+        let top: Vec<usize> = top.enumerate().filter(|t| t.1).map(|t| t.0).collect();
+        let mut state = 1_u64;
+        let costs: Vec<f64> = (columns.column_iter().zip(&roots))
+            .map(|(column, root)| {
+                // Knuth's linear congruential generator.
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                let chance = (state >> 32) as f64 / f64::from(u32::MAX);
+                let square: f64 = top.iter().map(|&k| column[k] * column[k]).sum();
+                self.target[0] * square * (1.0 + CHANCE * chance) * root
+            })
+            .collect();
+        // The dual program has few unknowns, one for each moment, and the weights as the
+        // multipliers of its inequalities.
+        let entries: Vec<f64> = (columns.row_iter())
+            .flat_map(|row| {
+                row.iter()
+                    .zip(&roots)
+                    .map(|(x, r)| x * r)
+                    .collect::<Vec<_>>()
+            })
+            .collect();
+        let unknowns = CscMatrix::new(
+            n,
+            m,
+            (0..=m).map(|k| k * n).collect(),
+            (0..m).flat_map(|_| 0..n).collect(),
+            entries,
+        );
+        let settings = DefaultSettings {
+            verbose: false,
+            max_iter: 60,
+            max_threads: 1,
+            direct_solve_method: "qdldl".into(),
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(
+            &CscMatrix::zeros((m, m)),
+            (-moments / unit).as_slice(),
+            &unknowns,
+            &costs,
+            &[NonnegativeConeT(n)],
+            settings,
+        )
+        .ok()?;
+        solver.solve();
+        let solution = &solver.solution;
+        if !matches!(
+            solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+        ) {
+            return None;
+        }
+        let weight = |j: usize| unit * roots[j] * solution.z[j];
+        let least = ABSENT * (0..n).map(weight).fold(0.0, f64::max);
+        let support: Vec<_> = (0..n)
+            .filter(|&j| weight(j) > least)
+            .map(|j| (candidates[j].0, weight(j)))
+            .collect();
+        Some(if support.len() > m {
+            self.exchanged(&support)
+        } else {
+            support.into_iter().map(|(x, w)| Node { x, w }).collect()
+        })
+    }
+
     /// As many points as moments, chosen among the candidates so that the moments stay.
-    fn vertex(&self) -> Vec<Node> {
-        let candidates = &self.shape.candidates;
+    fn exchanged(&self, candidates: &[([f64; 2], f64)]) -> Vec<Node> {
         let places = candidates.iter().map(|c| c.0);
         let columns = self.orthonormal(&values(self.shape.degree, places));
         let (m, n) = columns.shape();
@@ -234,7 +358,8 @@ impl<'a, R: Real, F: Fn([f64; 2]) -> bool> Fitting<'a, R, F> {
     /// The rule without all the points that can be spared, the least important first.
     fn thinned(&self, mut nodes: Vec<Node>) -> Vec<Node> {
         let m = self.target.len();
-        'fewer: while 3 * (nodes.len() - 1) >= m {
+        let fewest = self.fewest();
+        'fewer: while nodes.len() > fewest && 3 * (nodes.len() - 1) >= m {
             let columns = values(self.shape.degree, nodes.iter().map(|n| n.x));
             let columns = self.orthonormal(&columns);
             let weight = |i: usize| nodes[i].w * columns.column(i).norm_squared();

@@ -231,10 +231,12 @@ const MAX_DEGREE: usize = 20;
 impl<R: Real> Section<R> for Outline<R> {
     /// A rule with at most as many points as there are moments, `(degree + 1)(degree + 2)/2`,
     /// all weights positive and all points in the material; to degree 8 mostly with half of
-    /// that, down to a third for compact shapes and up to all for the thinnest walls. It is found by moment fitting: a dense positive rule is thinned to as many
-    /// points as moments by Caratheodory's theorem, then points are taken away one by one while
-    /// the others, moved by Gauss and Newton's method, can still carry the moments (Xiao and
-    /// Gimbutas 2010).
+    /// that, down to a third for compact shapes and up to all for the thinnest walls. It is found by
+    /// moment fitting: of a dense positive rule at most as many points as moments are kept, chosen
+    /// once by a linear program that draws them together as in a Gauss rule (Ryu and Boyd 2015; to
+    /// degree 8, for sections of few edges) and once by Caratheodory's theorem; then points are
+    /// taken away one by one while the others, moved by Gauss and Newton's method, can still carry
+    /// the moments (Xiao and Gimbutas 2010). The better of the two rules is taken.
     ///
     /// Points and weights follow a change of the outline by the least change, in the mean
     /// square and relative to the box around the outline, that keeps all moments exact: so
