@@ -667,8 +667,9 @@ fn reports_read_as_tables_and_errors_name_the_rows() {
         text.contains("FAILED") && text.contains("0 of 2 checks passed"),
         "{text}"
     );
-    let columns = |line: &str| line.find("<= 1").or(line.find("> = 0"));
-    assert!(text.lines().filter_map(columns).count() > 0);
+    let end = |line: &&str| line.contains("<= 1") || line.contains(">= 0");
+    let ends: BTreeSet<usize> = text.lines().filter(end).map(str::len).collect();
+    assert_eq!(ends.len(), 1, "columns line up: {text}");
     let error = report.into_result().unwrap_err().to_string();
     assert!(
         error.contains("weight (first) is 2, must be <= 1"),

@@ -16,7 +16,7 @@
 //! use ancf::prelude::*;
 //! use ancf::verify;
 //!
-//! let report = verify::element(&FullyParameterised, 0.5)
+//! let report = verify::element::<_, 3, 8>(&FullyParameterised, 0.5)
 //!     .and(verify::section(&Disk::new(0.02)?, 7)?);
 //! println!("{report}");
 //! report.into_result()?;
