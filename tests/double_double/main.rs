@@ -342,3 +342,25 @@ fn a_planar_swing_in_double_double_is_that_in_double() {
     }
     assert!((energy.value() - other).abs() < 1e-7);
 }
+
+#[test]
+fn zero_energy_modes_are_seen_in_double_double() {
+    let steel = SaintVenantKirchhoff::isotropic(number(2.0e11), number(0.25)).unwrap();
+    let refused = |axial: usize, degree: usize| {
+        let rule = Continuum::sampled(steel, axial, degree);
+        let disk = Disk::new(number(0.01)).unwrap();
+        let beam = Beam::new(FullyParameterised, disk, rule);
+        let ends = [[0.0; 3], [1.0, 0.0, 0.0]].map(|end| end.map(number));
+        Scene::new().add(beam.straight(ends[0], ends[1], 4)).err()
+    };
+    assert!(matches!(
+        refused(2, 5),
+        Some(Error::ZeroEnergyModes { target: 18, .. })
+    ));
+    let modes = refused(5, 1);
+    assert!(matches!(
+        modes,
+        Some(Error::ZeroEnergyModes { rank: 15, .. })
+    ));
+    assert!(refused(3, 3).is_none());
+}

@@ -118,10 +118,11 @@ impl DualNum for DoubleDouble {
         root + (*self - root * root * root) / (root * root * 3.0)
     }
     fn exp(&self) -> Self {
-        if !(self.value().abs() < 745.0) {
-            return Self::from(self.value().exp());
+        let leading = self.value();
+        if leading.is_nan() || leading.abs() > 745.0 {
+            return Self::from(leading.exp());
         }
-        let shift = (self.value() / LN_2.value()).round();
+        let shift = (leading / LN_2.value()).round();
         let rest = *self - LN_2 * shift;
         taylor(rest, 0, 1, false).scaled(2.0, shift as i32)
     }
