@@ -225,12 +225,12 @@ impl FromPrimitive for DoubleDouble {
     }
 }
 
-impl Num for DoubleDouble {
-    type FromStrRadixErr = ParseFloatError;
-    /// Radix 10 gives all digits, any other those of a double.
-    fn from_str_radix(text: &str, radix: u32) -> Result<Self, ParseFloatError> {
-        let rounded = f64::from_str_radix(text, radix)?;
-        if radix != 10 || rounded == 0.0 || !rounded.is_finite() {
+impl FromStr for DoubleDouble {
+    type Err = std::num::ParseFloatError;
+    /// All digits of a decimal, in any notation that doubles have.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let rounded: f64 = text.parse()?;
+        if rounded == 0.0 || !rounded.is_finite() {
             return Ok(Self::from(rounded));
         }
         // A valid decimal from here on.
@@ -245,14 +245,17 @@ impl Num for DoubleDouble {
             fraction |= c == '.';
         }
         let value = value.scaled(10.0, exponent);
-        Ok(if text.starts_with('-') { -value } else { value })
+        Ok(if rounded < 0.0 { -value } else { value })
     }
 }
 
-impl FromStr for DoubleDouble {
-    type Err = ParseFloatError;
-    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
-        Self::from_str_radix(text, 10)
+impl Num for DoubleDouble {
+    type FromStrRadixErr = ParseFloatError;
+    /// Radix 10 gives all digits, any other those of a double.
+    fn from_str_radix(text: &str, radix: u32) -> Result<Self, ParseFloatError> {
+        let rounded = f64::from_str_radix(text, radix)?;
+        let all = (radix == 10).then(|| text.parse().ok()).flatten();
+        Ok(all.unwrap_or(Self::from(rounded)))
     }
 }
 
