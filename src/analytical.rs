@@ -5,7 +5,7 @@
 use num_dual::{Dual, DualNum};
 
 use crate::error::{Error, Result, finite, positive};
-use crate::scalar::{Field, Real};
+use crate::scalar::{Algebra, Field, Real};
 
 /// Young's modulus and the moments of a section about its bending axis, `y` being the distance
 /// from it: what pure bending of a section-linear beam depends on.
@@ -26,7 +26,7 @@ impl<R: Real> BendingSection<R> {
     #[must_use]
     pub fn disk(modulus: R, radius: R) -> Self {
         let square = radius * radius;
-        let area = R::lit(std::f64::consts::PI) * square;
+        let area = R::pi() * square;
         Self {
             modulus,
             area,
@@ -309,13 +309,13 @@ impl<R: Real> Elastica<R> {
         };
         let residual = |q: Dual<R>| {
             let (s, g) = (-(-q).exp_m1(), (-q).exp());
-            let rf = carlson_rf(complement(g), |d| d.re.value());
+            let rf = carlson_rf(complement(g), |d| d.re);
             Dual::from_re(R::lit(2.0)) * s * rf * rf - Dual::from_re(load)
         };
         let q = newton(start, residual).ok_or(refused)?;
         let (s, g) = (-(-q).exp_m1(), (-q).exp());
         let [x, y, z] = complement(g);
-        let (rf, rd) = (carlson_rf([x, y, z], R::value), carlson_rd([x, z, y]));
+        let (rf, rd) = (carlson_rf([x, y, z], |x| x), carlson_rd([x, z, y]));
         let one = R::one();
         Ok(Self {
             deflection: s - (one + s) * s * g * rd / (R::lit(3.0) * rf),
@@ -334,20 +334,22 @@ fn complement<T: Field>(g: T) -> [T; 3] {
 
 /// Spread of the arguments at which Carlson's series is summed: the first neglected term is of
 /// its sixth power, and of its fifth in the derivatives.
-const SPREAD: f64 = 1e-3;
+fn spread<R: Real>() -> f64 {
+    R::EPSILON.powf(0.2).min(1e-3)
+}
 
 /// `RF(x, y, z) = 1/2 int_0^inf dt/sqrt((t + x)(t + y)(t + z))` by duplication (Carlson 1995);
 /// `value` tells the real part.
-fn carlson_rf<T: Field>(mut x: [T; 3], value: impl Fn(T) -> f64) -> T {
+fn carlson_rf<R: Real, T: Algebra<R>>(mut x: [T; 3], value: impl Fn(T) -> R) -> T {
     let lit = T::lit;
     loop {
         let mean = (x[0] + x[1] + x[2]) / lit(3.0);
         let d = x.map(|x| T::one() - x / mean);
-        if !(d.iter().any(|d| value(*d).abs() > SPREAD)) {
+        if !(d.iter().any(|d| value(*d).value().abs() > spread::<R>())) {
             let e2 = d[0] * d[1] - d[2] * d[2];
             let e3 = d[0] * d[1] * d[2];
             let series = T::one() - e2 / lit(10.0) + e3 / lit(14.0) + e2 * e2 / lit(24.0)
-                - lit(3.0 / 44.0) * e2 * e3;
+                - lit(3.0) * e2 * e3 / lit(44.0);
             return series / mean.sqrt();
         }
         let lambda = duplication(x);
@@ -357,22 +359,22 @@ fn carlson_rf<T: Field>(mut x: [T; 3], value: impl Fn(T) -> f64) -> T {
 
 /// `RD(x, y, z) = 3/2 int_0^inf dt/(sqrt((t + x)(t + y)) (t + z)^(3/2))`, likewise.
 fn carlson_rd<R: Real>(mut x: [R; 3]) -> R {
-    let lit = R::lit;
+    let (lit, ratio) = (R::lit, |a, b| R::lit(a) / R::lit(b));
     let (mut sum, mut weight) = (R::zero(), R::one());
     loop {
-        let mean = (x[0] + x[1] + lit(3.0) * x[2]) * lit(0.2);
+        let mean = (x[0] + x[1] + lit(3.0) * x[2]) / lit(5.0);
         let d = x.map(|x| R::one() - x / mean);
-        if !(d.iter().any(|d| d.value().abs() > SPREAD)) {
+        if !(d.iter().any(|d| d.value().abs() > spread::<R>())) {
             let (p, z) = (d[0] * d[1], d[2]);
             let e2 = p - lit(6.0) * z * z;
             let e3 = (lit(3.0) * p - lit(8.0) * z * z) * z;
             let e4 = lit(3.0) * (p - z * z) * z * z;
             let e5 = p * z * z * z;
             let series =
-                R::one() - lit(3.0 / 14.0) * e2 + e3 / lit(6.0) + lit(9.0 / 88.0) * e2 * e2
-                    - lit(3.0 / 22.0) * e4
-                    - lit(9.0 / 52.0) * e2 * e3
-                    + lit(3.0 / 26.0) * e5;
+                R::one() - ratio(3.0, 14.0) * e2 + e3 / lit(6.0) + ratio(9.0, 88.0) * e2 * e2
+                    - ratio(3.0, 22.0) * e4
+                    - ratio(9.0, 52.0) * e2 * e3
+                    + ratio(3.0, 26.0) * e5;
             return lit(3.0) * sum + weight * series / (mean * mean.sqrt());
         }
         let lambda = duplication(x);

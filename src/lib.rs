@@ -44,7 +44,7 @@
 //!
 //! | module | what lives there |
 //! |---|---|
-//! | [`scalar`] | what kernels and solvers need of a number |
+//! | [`scalar`] | what kernels and solvers need of a number; `DoubleDouble` with the feature `double-double` |
 //! | [`quadrature`] | rules on the line and in the plane, to any order, in the precision of the type |
 //! | [`section`] | cross-sections: rectangle, disk, annulus, ellipse, rolled profiles, moments alone, anything given by its outline |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |

@@ -8,17 +8,20 @@ use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, HyperDual};
-use num_traits::{Float, One, Zero};
-use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
+use num_traits::{Float, FloatConst, One, Zero};
 
 mod jet;
+mod lanes;
 
+#[cfg(feature = "double-double")]
+pub use double_double::DoubleDouble;
 pub use jet::Jet;
 
 /// What a kernel needs of a number: ring operations and constants.
 ///
-/// Implemented for `f32`, `f64`, simba's wide lanes and num-dual's [`Dual`], [`DualSVec`] and
-/// [`HyperDual`] over any of the reals (nested as deep as wanted).
+/// Implemented for `f32`, `f64`, `DoubleDouble` (with the feature `double-double`), simba's wide
+/// lanes and num-dual's [`Dual`], [`DualSVec`] and [`HyperDual`] over any of the reals (nested as
+/// deep as wanted).
 ///
 /// ```
 /// use ancf::scalar::Scalar;
@@ -34,7 +37,7 @@ pub use jet::Jet;
 /// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be used as the number type of a kernel",
-    note = "kernels run in f32, f64, simba's WideF32x4, WideF32x8 and WideF64x4, and num-dual's Dual, DualSVec and HyperDual",
+    note = "kernels run in f32, f64, DoubleDouble (feature `double-double`), simba's WideF32x4, WideF32x8 and WideF64x4, and num-dual's Dual, DualSVec and HyperDual",
     note = "a number type of your own needs `impl Scalar` (ring operations and `lit`) and `impl Algebra<R>` for the reals its models are stored in"
 )]
 pub trait Scalar:
@@ -115,11 +118,11 @@ pub trait Algebra<R>: Field {
 }
 
 /// What a solver needs of a number: a [`Scalar`] with order, division, elementary functions and
-/// a rounding unit. `f32`, `f64` and dual numbers over them; dual numbers compare by their real
-/// part, so a simulation in duals takes the very steps of the plain one.
+/// a rounding unit. `f32`, `f64`, `DoubleDouble` (with the feature `double-double`) and dual
+/// numbers over them; dual numbers compare by their real part, so a simulation in duals takes the very steps of the plain one.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a real number type of the solvers",
-    note = "solvers run in f32, f64 and in num-dual's Dual and DualSVec over them"
+    note = "solvers run in f32, f64, DoubleDouble (feature `double-double`) and in num-dual's Dual and DualSVec over them"
 )]
 pub trait Real: Algebra<Self> + DualNumCopy {
     /// Distance from 1 to the next number of the real part's type.
@@ -130,6 +133,12 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     fn value(self) -> f64;
     /// Whether the value (and every derivative it carries) is finite.
     fn finite(self) -> bool;
+    /// The circle constant, to the last digit of the type.
+    fn pi() -> Self {
+        // The sine of the rounded value is what the rounding left out.
+        let rounded = Self::from(Self::Primitive::PI());
+        rounded + Field::sin(rounded)
+    }
     /// The larger of two by real part.
     #[inline]
     fn larger(self, other: Self) -> Self {
@@ -217,6 +226,20 @@ macro_rules! over_itself {
     };
 }
 
+/// A plain number type with its functions and the dual numbers over it.
+macro_rules! plain {
+    ($t:ty) => {
+        field!([] $t);
+        over_itself!([] $t);
+        over_itself!([] Dual<$t>);
+        over_itself!([] Dual<Dual<$t>>);
+        over_itself!([const N: usize] DualSVec<$t, N>);
+    };
+}
+
+#[cfg(feature = "double-double")]
+mod double_double;
+
 macro_rules! float {
     ($($t:ty),*) => {$(
         impl Scalar for $t {
@@ -237,65 +260,10 @@ macro_rules! float {
                 Float::is_finite(self)
             }
         }
-        field!([] $t);
-        over_itself!([] $t);
-        over_itself!([] Dual<$t>);
-        over_itself!([] Dual<Dual<$t>>);
-        over_itself!([const N: usize] DualSVec<$t, N>);
+        plain!($t);
     )*};
 }
 float!(f32, f64);
-
-macro_rules! lanes {
-    ($($t:ident of $r:ty),*) => {$(
-        impl Scalar for $t {
-            #[inline(always)]
-            fn lit(x: f64) -> Self {
-                Self::lift(x as $r)
-            }
-        }
-        impl Field for $t {
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                self.simd_sqrt()
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                Self::one() / self
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                self.simd_exp()
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                self.simd_ln()
-            }
-            #[inline(always)]
-            fn sin(self) -> Self {
-                self.simd_sin()
-            }
-            #[inline(always)]
-            fn cos(self) -> Self {
-                self.simd_cos()
-            }
-        }
-        impl Algebra<$r> for $t {
-            // num-dual's numbers need an order, which lanes do not have.
-            type Dual<const M: usize> = Jet<Self, M>;
-            #[inline(always)]
-            fn lift(r: $r) -> Self {
-                $t(r.into())
-            }
-            #[inline(always)]
-            fn times(self, r: $r) -> Self {
-                self * Self::lift(r)
-            }
-            jet::by_jet!();
-        }
-    )*};
-}
-lanes!(WideF32x4 of f32, WideF32x8 of f32, WideF64x4 of f64);
 
 impl<T: Scalar + DualNumCopy> Scalar for Dual<T> {
     #[inline]
@@ -390,6 +358,7 @@ impl<R: Copy, T: Algebra<R> + DualNumCopy> Algebra<R> for HyperDual<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use simba::simd::WideF64x4;
 
     fn cube<R: Copy, T: Algebra<R>>(x: T, k: R) -> T {
         (x * x * x).times(k)

@@ -73,8 +73,10 @@ pub fn project<R: Real>(rule: &Cubature<R, 2>, degree: usize) -> Result<Cubature
     for k in 0..n {
         let square = sum(&|i| weights[i] * now[i] * now[i]);
         // Squares of roots are near 1/4 for a measure of half-length one; rounding is all
-        // that is left once the polynomial vanishes at every point.
-        if k > 0 && square.round() <= R::lit(64.0 * R::EPSILON * R::EPSILON) {
+        // that is left once the polynomial vanishes at every point. The square of that is far
+        // below this bound, in double-doubles too, where twofold numbers carry no more digits.
+        let unit = (R::EPSILON * R::EPSILON).max(f64::EPSILON * f64::EPSILON);
+        if k > 0 && square.round() <= R::lit(64.0 * unit) {
             return Err(unsupported(n));
         }
         let root = square.sqrt();

@@ -1,7 +1,8 @@
 //! Numbers held as an unevaluated sum of two reals, carrying twice the digits of the working
 //! type. Rules are computed in them and rounded once at the end, so that their nodes and
 //! weights are as good as the working type can store, in any type: single precision, double
-//! precision and dual numbers alike.
+//! precision and dual numbers alike. Over double-doubles, whose own sums and products are not
+//! rounded correctly, little is gained: rules there are good to a few units of the last digit.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -158,10 +158,11 @@ impl<R: Real> Outline<R> {
         [middle, [0, 1].map(|c| (high[c] - low[c]) * half)]
     }
 
-    /// Length that rounding of the coordinates cannot tell from zero (m).
+    /// Length that rounding of the coordinates, or of decisions in double precision, cannot tell
+    /// from zero (m).
     fn tolerance(&self) -> f64 {
         let ends = self.edges().flat_map(|e| e.from.map(Real::value));
-        16.0 * R::EPSILON * ends.fold(0.0, |m: f64, x| m.max(x.abs()))
+        16.0 * R::EPSILON.max(f64::EPSILON) * ends.fold(0.0, |m: f64, x| m.max(x.abs()))
     }
 
     fn check_crossings(&self) -> Result<()> {

@@ -94,6 +94,8 @@ impl<R: Real> Loop<R> {
                 remedy: "give three corners, or two points when an arc joins them",
             });
         }
+        // Decisions are made in double precision.
+        let unit = R::EPSILON.max(f64::EPSILON);
         let mut edges = Vec::with_capacity(n);
         for number in 0..n {
             let edge = Edge {
@@ -109,7 +111,7 @@ impl<R: Real> Loop<R> {
                 .chain(&real.to)
                 .fold(0.0, |m: f64, x| m.max(x.abs()));
             let length = distance(real.from, real.to);
-            if length <= 4.0 * R::EPSILON * size {
+            if length <= 4.0 * unit * size {
                 let what = "distance of two successive points of the outline [m]";
                 positive(what, R::lit(0.0))?;
             }
@@ -127,7 +129,7 @@ impl<R: Real> Loop<R> {
             }
             size += distance(edge.from, edge.to).powi(2);
         }
-        if area.abs() <= 64.0 * R::EPSILON * size {
+        if area.abs() <= 64.0 * unit * size {
             let what = "area enclosed by a loop of the outline [m^2]";
             positive(what, R::lit(0.0))?;
         }
