@@ -38,7 +38,7 @@ impl<R: Real, M: Material<R, 3>> Formulation<R, FullyParameterised, 3, 8> for Te
     fn kernel(
         &self,
         element: &FullyParameterised,
-        reference: &Reference<R, 3>,
+        reference: &Reference<R, 3, 8>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
         let law = TextbookSection(self.0.clone(), section.rule(5)?);
