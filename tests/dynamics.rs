@@ -36,23 +36,11 @@ impl Structure<f64> for Pendulum {
     fn symmetric(&self) -> bool {
         true
     }
-    fn fixed(&self) -> &[usize] {
-        &[]
-    }
     fn measure(&self) -> &[f64] {
         &[1.0]
     }
     fn add_internal(&self, u: &[f64], q: &mut [f64]) {
         q[0] += u[0].sin();
-    }
-    fn add_external(&self, _: f64, _: f64, _: &[f64], _: &mut [f64]) -> Result<()> {
-        Ok(())
-    }
-    fn has_applied(&self) -> bool {
-        false
-    }
-    fn add_applied(&self, _: f64, _: f64, _: &[f64], _: &mut [f64]) -> Result<()> {
-        Ok(())
     }
     fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut BandMatrix<f64>) -> Result<()> {
         k.add(0, 0, u[0].cos())
@@ -134,21 +122,12 @@ impl Structure<f64> for Quintic {
     fn symmetric(&self) -> bool {
         true
     }
-    fn fixed(&self) -> &[usize] {
-        &[]
-    }
     fn measure(&self) -> &[f64] {
         &[1.0]
     }
     fn add_internal(&self, _: &[f64], _: &mut [f64]) {}
     fn add_external(&self, t: f64, factor: f64, _: &[f64], q: &mut [f64]) -> Result<()> {
         q[0] += factor * 20.0 * t.powi(3);
-        Ok(())
-    }
-    fn has_applied(&self) -> bool {
-        false
-    }
-    fn add_applied(&self, _: f64, _: f64, _: &[f64], _: &mut [f64]) -> Result<()> {
         Ok(())
     }
     fn add_tangent(&self, _: f64, _: f64, _: &[f64], _: &mut BandMatrix<f64>) -> Result<()> {

@@ -262,24 +262,12 @@ impl Structure<Dual64> for Oscillator {
     fn symmetric(&self) -> bool {
         true
     }
-    fn fixed(&self) -> &[usize] {
-        &[]
-    }
     fn measure(&self) -> &[Dual64] {
         const UNIT: Dual64 = Dual64 { re: 1.0, eps: 0.0 };
         &[UNIT]
     }
     fn add_internal(&self, u: &[Dual64], q: &mut [Dual64]) {
         q[0] += self.stiffness * u[0];
-    }
-    fn add_external(&self, _: Dual64, _: Dual64, _: &[Dual64], _: &mut [Dual64]) -> Result<()> {
-        Ok(())
-    }
-    fn has_applied(&self) -> bool {
-        false
-    }
-    fn add_applied(&self, _: Dual64, _: Dual64, _: &[Dual64], _: &mut [Dual64]) -> Result<()> {
-        Ok(())
     }
     fn add_tangent(
         &self,

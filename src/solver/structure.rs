@@ -15,8 +15,10 @@ pub trait Structure<R: Real> {
     /// Whether the tangent is symmetric at every state.
     fn symmetric(&self) -> bool;
 
-    /// Indices of the coordinates that do not move, ascending.
-    fn fixed(&self) -> &[usize];
+    /// Indices of the coordinates that do not move, ascending; none by default.
+    fn fixed(&self) -> &[usize] {
+        &[]
+    }
 
     /// Natural size of each coordinate (the length of the body for positions, 1 for slopes): what
     /// makes residuals and corrections comparable between scenes of any size.
@@ -25,20 +27,27 @@ pub trait Structure<R: Real> {
     /// Adds the internal forces `Q_s(u)`.
     fn add_internal(&self, u: &[R], q: &mut [R]);
 
-    /// Adds `factor * Q_e(t, u)`, all external forces.
+    /// Adds `factor * Q_e(t, u)`, all external forces; none by default.
     ///
     /// # Errors
     /// When a load is not finite.
-    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()>;
+    fn add_external(&self, _time: R, _factor: R, _u: &[R], _q: &mut [R]) -> Result<()> {
+        Ok(())
+    }
 
-    /// Whether there are external forces that are not a potential of the structure's own.
-    fn has_applied(&self) -> bool;
+    /// Whether there are external forces whose work is counted step by step (nodal loads, which
+    /// are no potential of the structure's own); none by default.
+    fn has_applied(&self) -> bool {
+        false
+    }
 
-    /// Adds the part of the external forces whose work is counted step by step (nodal loads).
+    /// Adds the part of the external forces whose work is counted.
     ///
     /// # Errors
     /// When a load is not finite.
-    fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()>;
+    fn add_applied(&self, _time: R, _factor: R, _u: &[R], _q: &mut [R]) -> Result<()> {
+        Ok(())
+    }
 
     /// Adds the tangent `d(Q_s - factor Q_e)/du` to `k`.
     ///
