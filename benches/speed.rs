@@ -10,7 +10,7 @@ use std::hint::black_box;
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::solver::{BandMatrix, Factor};
+use ancf::solver::{Factor, Matrix};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 type Rule<const D: usize> =
@@ -118,17 +118,17 @@ fn factorisation(c: &mut Criterion) {
     for n in [10, 100, 1000] {
         let system = pendulum::<3, 8>(n);
         let u = system.rest().displacement;
-        let mut k = BandMatrix::symmetric(system.profile());
-        let mut q = vec![0.0; u.len()];
+        let mut k = Matrix::zero(system.unknowns(), true);
         system.add_tangent(0.0, 1.0, &u, &mut k).expect("a tangent");
         system.add_mass(4e6, &mut k).expect("the same profile");
-        let mut factor = Factor::new(system.profile(), true);
+        let mut x = vec![0.0; system.unknowns().count()];
+        let mut factor = Factor::new(system.unknowns().profile(), true);
         group.throughput(Throughput::Elements(n as u64));
         group.bench_function(BenchmarkId::from_parameter(n), |b| {
             b.iter(|| {
-                factor.factor(&k).expect("a definite matrix");
-                q.fill(1.0);
-                factor.solve(&mut q).expect("factors");
+                factor.factor(k.stored()).expect("a definite matrix");
+                x.fill(1.0);
+                factor.solve(&mut x).expect("factors");
             });
         });
     }

@@ -147,6 +147,14 @@ pub enum Error {
         /// The vanishing pivot.
         pivot: f64,
     },
+    /// Conditions on coordinates that exclude each other.
+    #[error(
+        "the coordinates {coordinates:?} are bound to motions that exclude each other: drive, fix or join each of them once"
+    )]
+    Contradiction {
+        /// The coordinates of the condition that found no freedom left.
+        coordinates: Vec<usize>,
+    },
     /// A node of another scene.
     #[error("a node of another scene was given: use the handle that this scene's add returned")]
     ForeignNode,

@@ -85,7 +85,9 @@ pub mod prelude {
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
-    pub use crate::scene::{Beam, Energies, Moment, MomentLaw, Node, Placed, Scene, System};
+    pub use crate::scene::{
+        Beam, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed, Scene, System,
+    };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
         c_profile, i_profile, l_profile, t_profile,

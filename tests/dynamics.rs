@@ -2,20 +2,20 @@
 //! ramp against independent references, and what happens when a step fails.
 
 use ancf::prelude::*;
-use ancf::solver::{BandMatrix, Profile};
+use ancf::solver::{Matrix, Profile, Unknowns};
 use std::f64::consts::PI;
 
 type Solid<const D: usize> = SaintVenantKirchhoff<f64, D>;
 
 /// A mathematical pendulum as a structure of one unknown: `theta'' + sin theta = 0`.
 struct Pendulum {
-    profile: Profile,
+    unknowns: Unknowns<f64>,
 }
 
 impl Pendulum {
     fn new() -> Self {
-        let profile = Profile::from_ranges(1, [0..1]).unwrap();
-        Self { profile }
+        let unknowns = Unknowns::all(Profile::from_ranges(1, [0..1]).unwrap());
+        Self { unknowns }
     }
 
     fn at(&self, angle: f64) -> State<f64> {
@@ -30,8 +30,8 @@ impl Pendulum {
 }
 
 impl Structure<f64> for Pendulum {
-    fn profile(&self) -> &Profile {
-        &self.profile
+    fn unknowns(&self) -> &Unknowns<f64> {
+        &self.unknowns
     }
     fn symmetric(&self) -> bool {
         true
@@ -42,7 +42,7 @@ impl Structure<f64> for Pendulum {
     fn add_internal(&self, u: &[f64], q: &mut [f64]) {
         q[0] += u[0].sin();
     }
-    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut Matrix<f64>) -> Result<()> {
         k.add(0, 0, u[0].cos())
     }
     fn has_mass(&self) -> bool {
@@ -51,7 +51,7 @@ impl Structure<f64> for Pendulum {
     fn add_mass_times(&self, factor: f64, a: &[f64], out: &mut [f64]) {
         out[0] += factor * a[0];
     }
-    fn add_mass(&self, factor: f64, k: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_mass(&self, factor: f64, k: &mut Matrix<f64>) -> Result<()> {
         k.add(0, 0, factor)
     }
 }
@@ -112,12 +112,12 @@ fn the_adaptive_step_delivers_what_the_tolerance_asks() {
 /// `u = t^5` as a motion: the acceleration `20 t^3` is prescribed by the load, so that the third
 /// and fourth derivatives, and with them the local error of a step, are known.
 struct Quintic {
-    profile: Profile,
+    unknowns: Unknowns<f64>,
 }
 
 impl Structure<f64> for Quintic {
-    fn profile(&self) -> &Profile {
-        &self.profile
+    fn unknowns(&self) -> &Unknowns<f64> {
+        &self.unknowns
     }
     fn symmetric(&self) -> bool {
         true
@@ -130,7 +130,7 @@ impl Structure<f64> for Quintic {
         q[0] += factor * 20.0 * t.powi(3);
         Ok(())
     }
-    fn add_tangent(&self, _: f64, _: f64, _: &[f64], _: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_tangent(&self, _: f64, _: f64, _: &[f64], _: &mut Matrix<f64>) -> Result<()> {
         Ok(())
     }
     fn has_mass(&self) -> bool {
@@ -139,7 +139,7 @@ impl Structure<f64> for Quintic {
     fn add_mass_times(&self, factor: f64, a: &[f64], out: &mut [f64]) {
         out[0] += factor * a[0];
     }
-    fn add_mass(&self, factor: f64, k: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_mass(&self, factor: f64, k: &mut Matrix<f64>) -> Result<()> {
         k.add(0, 0, factor)
     }
 }
@@ -149,8 +149,8 @@ impl Structure<f64> for Quintic {
 /// to the first.
 #[test]
 fn the_error_estimators_estimate_the_local_error() {
-    let profile = Profile::from_ranges(1, [0..1]).unwrap();
-    let structure = Quintic { profile };
+    let unknowns = Unknowns::all(Profile::from_ranges(1, [0..1]).unwrap());
+    let structure = Quintic { unknowns };
     let exact = |t: f64| State {
         time: t,
         displacement: vec![t.powi(5)],

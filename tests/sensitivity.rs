@@ -3,7 +3,7 @@
 //! only at the converged state, and the same as Richardson's finite differences of plain runs.
 
 use ancf::prelude::*;
-use ancf::solver::{BandMatrix, Profile};
+use ancf::solver::{Matrix, Profile, Unknowns};
 use num_dual::Dual64;
 
 /// The parameters a derivative may be taken by.
@@ -252,12 +252,12 @@ fn dynamics_differentiate_by_every_parameter() {
 /// `u'' + k u = 0` as a structure of one unknown.
 struct Oscillator {
     stiffness: Dual64,
-    profile: Profile,
+    unknowns: Unknowns<Dual64>,
 }
 
 impl Structure<Dual64> for Oscillator {
-    fn profile(&self) -> &Profile {
-        &self.profile
+    fn unknowns(&self) -> &Unknowns<Dual64> {
+        &self.unknowns
     }
     fn symmetric(&self) -> bool {
         true
@@ -274,7 +274,7 @@ impl Structure<Dual64> for Oscillator {
         _: Dual64,
         _: Dual64,
         _: &[Dual64],
-        k: &mut BandMatrix<Dual64>,
+        k: &mut Matrix<Dual64>,
     ) -> Result<()> {
         k.add(0, 0, self.stiffness)
     }
@@ -284,7 +284,7 @@ impl Structure<Dual64> for Oscillator {
     fn add_mass_times(&self, factor: Dual64, a: &[Dual64], out: &mut [Dual64]) {
         out[0] += factor * a[0];
     }
-    fn add_mass(&self, factor: Dual64, k: &mut BandMatrix<Dual64>) -> Result<()> {
+    fn add_mass(&self, factor: Dual64, k: &mut Matrix<Dual64>) -> Result<()> {
         k.add(0, 0, factor)
     }
 }
@@ -294,8 +294,11 @@ impl Structure<Dual64> for Oscillator {
 #[test]
 fn adaptive_runs_differentiate_too() {
     let stiffness = Dual64::from_re(4.0).derivative();
-    let profile = Profile::from_ranges(1, [0..1]).unwrap();
-    let oscillator = Oscillator { stiffness, profile };
+    let unknowns = Unknowns::all(Profile::from_ranges(1, [0..1]).unwrap());
+    let oscillator = Oscillator {
+        stiffness,
+        unknowns,
+    };
     for estimator in [Estimator::LiZengWiberg, Estimator::ZienkiewiczXie] {
         let errors = [1e-5, 1e-8].map(|tolerance| {
             let zero = || vec![Dual64::from_re(0.0)];

@@ -4,7 +4,7 @@
 use super::{Method, Scheme};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Solved, State, Structure, Workspace, norm};
+use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace, norm};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,11 +90,11 @@ impl<R: Real> Scheme<R> for Newmark {
                 remedy: "give the beams a density with Beam::density, or solve statics",
             });
         }
-        let n = structure.profile().size();
+        let n = structure.unknowns().coordinates();
         state.check(n)?;
-        for &i in structure.fixed() {
-            state.velocity[i] = R::zero();
-        }
+        let time = state.time;
+        structure.impose(time, Rate::Displacement, &mut state.displacement)?;
+        structure.impose(time, Rate::Velocity, &mut state.velocity)?;
         let mut method = NewmarkMethod {
             settings: *self,
             workspace: Workspace::new(structure),
@@ -145,22 +145,25 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             self.step = Some(step);
         }
         next.time = now.time + step;
+        next.acceleration.copy_from_slice(&now.acceleration);
+        structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
+        structure.impose(next.time, Rate::Acceleration, &mut next.acceleration)?;
         let rate = R::one() / (beta * square);
         let equations = Equations {
             time: next.time,
             factor: R::one(),
             initial: None,
-            inertia: Some((rate, &now.acceleration)),
+            inertia: Some((rate, &next.acceleration)),
         };
         let newton = &self.settings.newton;
         let u = &mut next.displacement;
         let solved = self.workspace.solve(structure, newton, &equations, u)?;
         for (i, moved) in self.workspace.moved().iter().enumerate() {
-            let a = now.acceleration[i] + rate * *moved;
-            let mean = (R::one() - gamma) * now.acceleration[i] + gamma * a;
-            next.acceleration[i] = a;
+            next.acceleration[i] += rate * *moved;
+            let mean = (R::one() - gamma) * now.acceleration[i] + gamma * next.acceleration[i];
             next.velocity[i] = now.velocity[i] + step * mean;
         }
+        structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         next.work = now.work + self.workspace.work(structure, now, next)?;
         Ok(solved)
     }

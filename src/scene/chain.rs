@@ -8,7 +8,7 @@ use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, Reference, Tangent};
 use crate::scalar::Real;
-use crate::solver::band::BandMatrix;
+use crate::solver::{BandMatrix, Matrix};
 use crate::tensor::sum;
 
 /// Elements in a row that share their end nodes. Coordinates are contiguous: element `n` reads one
@@ -35,12 +35,14 @@ pub(super) struct Link<R, Kn, const D: usize, const S: usize> {
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
     fn force(&self, u: &[R], q: &mut [R]);
-    fn tangent(&self, u: &[R], k: &mut BandMatrix<R>) -> Result<()>;
+    fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()>;
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
-    /// Ranges of coordinates that one element couples.
-    fn couplings(&self) -> Vec<Range<usize>>;
+    /// A nodal vector in the reference state; zero if the node has no such vector.
+    fn vector(&self, node: usize, vector: NodalVector) -> [R; D];
+    /// Tells the coordinates that each element couples, as ranges.
+    fn couple(&self, tell: &mut dyn FnMut(&[Range<usize>]));
     /// Shape functions at axial position `s` in [0, 1] of the body and cross position `y` (m)
     /// (entry 0 unused), with the index of the coordinates' first component.
     fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>);
@@ -204,7 +206,7 @@ where
         }
     }
 
-    fn tangent(&self, u: &[R], k: &mut BandMatrix<R>) -> Result<()> {
+    fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         for n in 0..self.starts.len() {
             let mut force = [[R::zero(); D]; S];
             let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
@@ -243,8 +245,20 @@ where
         }
     }
 
-    fn couplings(&self) -> Vec<Range<usize>> {
-        (0..self.starts.len()).map(|n| self.range(n)).collect()
+    fn vector(&self, node: usize, vector: NodalVector) -> [R; D] {
+        let element = (node / (E::NODES - 1)).min(self.starts.len() - 1);
+        let local = node - element * (E::NODES - 1);
+        let nodal = &self.link(element).reference.vectors;
+        let place = E::VECTORS.iter().position(|v| *v == vector);
+        let value = place.map_or([R::zero(); D], |at| nodal[local * E::VECTORS.len() + at]);
+        match vector {
+            NodalVector::Position => sum(&value, &self.starts[element]),
+            NodalVector::Slope(_) => value,
+        }
+    }
+
+    fn couple(&self, tell: &mut dyn FnMut(&[Range<usize>])) {
+        (0..self.starts.len()).for_each(|n| tell(&[self.range(n)]));
     }
 
     fn shape(&self, s: R, y: &[R; D]) -> (usize, Vec<R>) {

@@ -9,7 +9,7 @@ use num_dual::Dual;
 
 use crate::error::{Error, Result, finite};
 use crate::scalar::{Algebra, Field, Real};
-use crate::solver::band::BandMatrix;
+use crate::solver::Matrix;
 use crate::tensor::{cross, dot};
 
 pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
@@ -323,7 +323,7 @@ impl<R: Real, const D: usize> NodalLoad<R, D> {
         &self,
         amplitude: R,
         e: impl Fn(usize) -> R,
-        k: &mut BandMatrix<R>,
+        k: &mut Matrix<R>,
     ) -> Result<()> {
         let Action::Moment {
             slopes,

@@ -5,10 +5,12 @@
 
 mod beam;
 mod chain;
+mod joint;
 mod load;
 mod system;
 
 pub use beam::Beam;
+pub use joint::{Joint, Motion};
 pub use load::{Moment, MomentLaw};
 pub use system::{Energies, System};
 
@@ -20,7 +22,9 @@ use crate::error::{Error, Result, finite};
 use crate::formulation::Formulation;
 use crate::scalar::Real;
 use crate::section::Section;
+use crate::solver::Condition;
 use chain::Body;
+use joint::Course;
 use load::{Action, Amplitude, NodalLoad};
 
 /// A beam placed in a scene: the handle by which its nodes are named.
@@ -92,7 +96,8 @@ pub struct Scene<R: Real, const D: usize> {
     /// Tells the nodes of this scene from those of any other.
     id: u64,
     bodies: Vec<Body<R, D>>,
-    fixed: Vec<usize>,
+    conditions: Vec<Condition<R>>,
+    courses: Vec<Course<R>>,
     loads: Vec<NodalLoad<R, D>>,
     gravity: Option<[R; D]>,
     size: usize,
@@ -111,7 +116,8 @@ impl<R: Real, const D: usize> Scene<R, D> {
         Self {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             bodies: Vec::new(),
-            fixed: Vec::new(),
+            conditions: Vec::new(),
+            courses: Vec::new(),
             loads: Vec::new(),
             gravity: None,
             size: 0,
@@ -149,7 +155,8 @@ impl<R: Real, const D: usize> Scene<R, D> {
     pub fn clamp(&mut self, node: Node) -> Result<()> {
         let (body, first) = self.locate(node)?;
         let count = body.vectors().len() * D;
-        self.fixed.extend(first..first + count);
+        let fixed = (first..first + count).map(Condition::fixed);
+        self.conditions.extend(fixed);
         Ok(())
     }
 
@@ -168,7 +175,118 @@ impl<R: Real, const D: usize> Scene<R, D> {
     pub fn fix(&mut self, node: Node, vector: NodalVector, components: [bool; D]) -> Result<()> {
         let first = self.coordinates(node, vector)?;
         let chosen = components.iter().enumerate().filter(|(_, fixed)| **fixed);
-        self.fixed.extend(chosen.map(|(c, _)| first + c));
+        let fixed = chosen.map(|(c, _)| Condition::fixed(first + c));
+        self.conditions.extend(fixed);
+        Ok(())
+    }
+
+    /// Makes chosen components of one nodal vector move as a function of time. Statics goes to
+    /// where the motion is at the state's time.
+    ///
+    /// # Errors
+    /// When the beam has no such node or its element no such nodal vector. A value of the motion
+    /// that is not finite stops the solver with the time at which it occurred.
+    pub fn drive(
+        &mut self,
+        node: Node,
+        vector: NodalVector,
+        components: [bool; D],
+        motion: impl Motion<R, D>,
+    ) -> Result<()> {
+        let first = self.coordinates(node, vector)?;
+        let (body, _) = self.locate(node)?;
+        let reference = body.elastic().vector(node.index, vector);
+        let motion = Arc::new(motion);
+        for c in (0..D).filter(|c| components[*c]) {
+            let driven = Condition::driven(first + c, self.courses.len());
+            self.conditions.push(driven);
+            let course = Course::new(motion.clone(), c, reference[c]);
+            self.courses.push(course);
+        }
+        Ok(())
+    }
+
+    /// Joins two nodes that lie at one place in the reference state. The coordinates they share
+    /// are eliminated: a joint costs nothing and holds to the last digit.
+    ///
+    /// # Errors
+    /// When a beam has no such node, the nodes lie apart, a hinge's axis is zero, or an element
+    /// lacks a slope that the joint shares.
+    pub fn join(&mut self, one: Node, other: Node, joint: Joint<R, D>) -> Result<()> {
+        let position = NodalVector::Position;
+        let (first, second) = (
+            self.coordinates(one, position)?,
+            self.coordinates(other, position)?,
+        );
+        let ((a, start_a), (b, start_b)) = (self.locate(one)?, self.locate(other)?);
+        let places = [
+            a.elastic().vector(one.index, position),
+            b.elastic().vector(other.index, position),
+        ];
+        let gap = (0..D).fold(R::zero(), |gap, c| {
+            gap.larger((places[0][c] - places[1][c]).abs())
+        });
+        let size = a.length().larger(b.length());
+        if gap > size * R::lit(16.0 * R::EPSILON.sqrt()) {
+            return Err(Error::Unsupported {
+                what: format!("a joint of nodes that lie {} m apart", gap.value()),
+                remedy: "join nodes at one place; connect distant ones by a beam or a linear constraint",
+            });
+        }
+        let mut conditions: Vec<_> = (0..D)
+            .map(|c| Condition::shared(first + c, second + c))
+            .collect();
+        let small = R::lit(16.0 * R::EPSILON.sqrt());
+        for shares in joint.shared(a.frame(one.index), b.frame(other.index))? {
+            let mut terms = Vec::new();
+            for (body, start, share, sign) in [
+                (a, start_a, shares[0], R::one()),
+                (b, start_b, shares[1], -R::one()),
+            ] {
+                let places = joint::slopes::<D>(body.vectors());
+                for axis in (0..D).filter(|axis| share[*axis].abs() > small) {
+                    let Some(place) = places[axis] else {
+                        return Err(Error::Unsupported {
+                            what: format!(
+                                "{joint:?} at a node without slope {axis}, whose element only has {:?}",
+                                body.vectors()
+                            ),
+                            remedy: "use a fully parameterised element, or turn the material frame so that the joint needs only slopes the node has",
+                        });
+                    };
+                    terms.push((start + place * D, sign * share[axis]));
+                }
+            }
+            conditions.extend((0..D).map(|c| Condition {
+                terms: terms.iter().map(|(i, share)| (i + c, *share)).collect(),
+                known: Vec::new(),
+            }));
+        }
+        self.conditions.extend(conditions);
+        Ok(())
+    }
+
+    /// Any linear constraint, `sum a u = 0` over displacements `u` of components of nodal vectors
+    /// (m for positions, dimensionless for slopes).
+    ///
+    /// # Errors
+    /// When there is no such node, nodal vector or component.
+    pub fn constrain(&mut self, terms: &[(Node, NodalVector, usize, R)]) -> Result<()> {
+        let mut condition = Condition {
+            terms: Vec::with_capacity(terms.len()),
+            known: Vec::new(),
+        };
+        for (node, vector, component, factor) in terms {
+            let first = self.coordinates(*node, *vector)?;
+            if *component >= D {
+                return Err(Error::NoSuchCoordinate {
+                    index: *component,
+                    size: D,
+                });
+            }
+            condition.terms.push((first + component, *factor));
+        }
+        self.conditions.push(condition);
         Ok(())
     }
 
@@ -273,9 +391,10 @@ impl<R: Real, const D: usize> Scene<R, D> {
     /// Assembles the system the solvers work on.
     ///
     /// # Errors
-    /// [`Error::EmptyScene`] without a beam.
+    /// [`Error::EmptyScene`] without a beam, [`Error::Contradiction`] for supports, joints and
+    /// motions that exclude each other.
     pub fn assemble(self) -> Result<System<R, D>> {
-        System::new(self.id, self.bodies, self.fixed, self.loads, self.gravity)
+        System::new(self)
     }
 
     fn locate(&self, node: Node) -> Result<(&Body<R, D>, usize)> {

@@ -2,16 +2,16 @@
 //! solvers see them through [`Structure`].
 
 use std::fmt;
-use std::ops::Range;
 
 use super::chain::Body;
+use super::joint::Course;
 use super::load::NodalLoad;
-use super::{Node, coordinates, locate};
+use super::{Node, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{State, Structure};
+use crate::solver::{Matrix, Rate, State, Structure, Unknowns};
 use crate::tensor::{add_scaled, cross};
 
 /// Energy balance of a state (J).
@@ -46,8 +46,8 @@ pub struct System<R: Real, const D: usize> {
     scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
-    fixed: Vec<usize>,
-    profile: Profile,
+    unknowns: Unknowns<R>,
+    courses: Vec<Course<R>>,
     reference: Vec<R>,
     measure: Vec<R>,
     /// Mass over nodal vectors (the same for every component).
@@ -57,21 +57,22 @@ pub struct System<R: Real, const D: usize> {
 }
 
 impl<R: Real, const D: usize> System<R, D> {
-    pub(super) fn new(
-        scene: u64,
-        bodies: Vec<Body<R, D>>,
-        mut fixed: Vec<usize>,
-        loads: Vec<NodalLoad<R, D>>,
-        gravity: Option<[R; D]>,
-    ) -> Result<Self> {
-        let Some(last) = bodies.last() else {
+    pub(super) fn new(scene: Scene<R, D>) -> Result<Self> {
+        let Scene {
+            id,
+            bodies,
+            conditions,
+            courses,
+            loads,
+            gravity,
+            size,
+        } = scene;
+        if bodies.is_empty() {
             return Err(Error::EmptyScene);
-        };
-        let size = last.range().end;
-        fixed.sort_unstable();
-        fixed.dedup();
-        let couplings = || bodies.iter().flat_map(|b| b.elastic().couplings());
-        let profile = Profile::from_ranges(size, couplings())?;
+        }
+        let unknowns = Unknowns::new(size, conditions, |tell| {
+            bodies.iter().for_each(|body| body.elastic().couple(tell));
+        })?;
         let mut reference = vec![R::zero(); size];
         let mut measure = vec![R::one(); size];
         for body in &bodies {
@@ -93,8 +94,13 @@ impl<R: Real, const D: usize> System<R, D> {
         let mut mass = None;
         let mut weight = None;
         if massive > 0 {
-            let vectors = |r: Range<usize>| r.start / D..r.end / D;
-            let scalar = Profile::from_ranges(size / D, couplings().map(vectors))?;
+            let mut coupled = Vec::new();
+            for body in &bodies {
+                body.elastic().couple(&mut |ranges| {
+                    coupled.extend(ranges.iter().map(|r| r.start / D..r.end / D));
+                });
+            }
+            let scalar = Profile::from_ranges(size / D, coupled)?;
             let mut matrix = BandMatrix::symmetric(&scalar);
             let mut first = vec![R::zero(); size / D];
             for body in &bodies {
@@ -111,11 +117,11 @@ impl<R: Real, const D: usize> System<R, D> {
             });
         }
         Ok(Self {
-            scene,
+            scene: id,
             bodies,
             loads,
-            fixed,
-            profile,
+            unknowns,
+            courses,
             reference,
             measure,
             mass,
@@ -222,10 +228,7 @@ impl<R: Real, const D: usize> System<R, D> {
                 }
             }
         }
-        for &i in &self.fixed {
-            state.velocity[i] = R::zero();
-        }
-        Ok(())
+        self.impose(state.time, Rate::Velocity, &mut state.velocity)
     }
 
     fn check_size(&self, state: &State<R>) -> Result<()> {
@@ -286,10 +289,10 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
         };
         writeln!(
             f,
-            "{} {plural} in {D} dimensions, {} coordinates, {} of them fixed",
+            "{} {plural} in {D} dimensions, {} coordinates, {} of them held by supports and joints",
             self.bodies.len(),
             self.reference.len(),
-            self.fixed.len()
+            self.reference.len() - self.unknowns.count()
         )?;
         for body in &self.bodies {
             writeln!(f, "  {}", body.describe())?;
@@ -302,16 +305,16 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
 }
 
 impl<R: Real, const D: usize> Structure<R> for System<R, D> {
-    fn profile(&self) -> &Profile {
-        &self.profile
+    fn unknowns(&self) -> &Unknowns<R> {
+        &self.unknowns
     }
 
     fn symmetric(&self) -> bool {
         self.loads.iter().all(NodalLoad::symmetric)
     }
 
-    fn fixed(&self) -> &[usize] {
-        &self.fixed
+    fn impose(&self, time: R, rate: Rate, x: &mut [R]) -> Result<()> {
+        self.unknowns.impose(x, |k| self.courses[k].at(time, rate))
     }
 
     fn measure(&self) -> &[R] {
@@ -345,7 +348,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         Ok(())
     }
 
-    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut BandMatrix<R>) -> Result<()> {
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         for body in &self.bodies {
             body.elastic().tangent(u, k)?;
         }
@@ -410,7 +413,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         }
     }
 
-    fn add_mass(&self, factor: R, k: &mut BandMatrix<R>) -> Result<()> {
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
         let Some(mass) = &self.mass else {
             return Ok(());
         };

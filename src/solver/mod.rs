@@ -3,14 +3,18 @@
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
+mod matrix;
 mod newton;
 mod state;
 mod statics;
 mod structure;
+mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
+pub use matrix::Matrix;
 pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
-pub use structure::Structure;
+pub use structure::{Rate, Structure};
+pub use unknowns::{Condition, Unknowns};

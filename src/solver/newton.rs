@@ -3,8 +3,10 @@
 //! kilometre converge alike, and the residual that rounding leaves is estimated from the tangent,
 //! so that no slender beam is asked for digits its number type does not have.
 
-use super::band::{BandMatrix, Factor};
-use super::{State, Structure};
+use super::band::Factor;
+use super::matrix::Matrix;
+use super::unknowns::Unknowns;
+use super::{Rate, State, Structure};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 
@@ -97,7 +99,7 @@ pub(crate) struct Equations<'a, R> {
 /// Vectors and matrices of Newton's method, allocated once.
 #[derive(Debug)]
 pub(crate) struct Workspace<R> {
-    tangent: BandMatrix<R>,
+    tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
@@ -108,7 +110,10 @@ pub(crate) struct Workspace<R> {
     scratch: Vec<R>,
     /// Sum of the corrections of the last solve.
     moved: Vec<R>,
-    is_fixed: Vec<bool>,
+    /// Right-hand side and solution by unknowns.
+    unknown: Vec<R>,
+    /// Another vector by unknowns.
+    rounding: Vec<R>,
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
@@ -128,21 +133,12 @@ const STALLED: f64 = 0.3;
 
 impl<R: Real> Workspace<R> {
     pub(crate) fn new<S: Structure<R> + ?Sized>(structure: &S) -> Self {
-        let profile = structure.profile();
-        let n = profile.size();
+        let unknowns = structure.unknowns();
         let symmetric = structure.symmetric();
-        let zeros = || vec![R::zero(); n];
-        let mut is_fixed = vec![false; n];
-        for &i in structure.fixed() {
-            is_fixed[i] = true;
-        }
+        let zeros = || vec![R::zero(); unknowns.coordinates()];
         Self {
-            tangent: if symmetric {
-                BandMatrix::symmetric(profile)
-            } else {
-                BandMatrix::general(profile)
-            },
-            factor: Factor::new(profile, symmetric),
+            tangent: Matrix::zero(unknowns, symmetric),
+            factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
             floor: R::zero(),
             internal: zeros(),
@@ -150,7 +146,8 @@ impl<R: Real> Workspace<R> {
             inertia: zeros(),
             scratch: zeros(),
             moved: zeros(),
-            is_fixed,
+            unknown: vec![R::zero(); unknowns.count()],
+            rounding: vec![R::zero(); unknowns.count()],
         }
     }
 
@@ -233,20 +230,25 @@ impl<R: Real> Workspace<R> {
         structure: &S,
         state: &mut State<R>,
     ) -> Result<()> {
+        // Motions given in time bring accelerations of their own, whose inertia is a load.
+        state.acceleration.fill(R::zero());
+        structure.impose(state.time, Rate::Acceleration, &mut state.acceleration)?;
         let equations = Equations {
             time: state.time,
             factor: R::one(),
             initial: None,
-            inertia: None,
+            inertia: Some((R::zero(), &state.acceleration)),
         };
         self.balance(structure, &equations, &state.displacement)?;
+        self.forget();
         self.tangent.clear();
         structure.add_mass(R::one(), &mut self.tangent)?;
-        self.fix(structure)?;
-        self.factor.factor(&self.tangent)?;
-        self.forget();
-        state.acceleration.copy_from_slice(&self.scratch);
-        self.factor.solve(&mut state.acceleration)
+        self.factor.factor(self.tangent.stored())?;
+        self.solve_linear(structure.unknowns())?;
+        for (a, change) in state.acceleration.iter_mut().zip(&self.scratch) {
+            *a += *change;
+        }
+        Ok(())
     }
 
     /// Work of the applied forces over a step, by the trapezoidal rule.
@@ -302,32 +304,28 @@ impl<R: Real> Workspace<R> {
                     self.scratch[i] = predicted[i] + rate * self.moved[i];
                 }
                 structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
-                Ok(self.norms(structure, |w, i| {
-                    [w.external[i], w.internal[i], w.inertia[i]]
-                }))
+                Ok(self.norms(structure, true))
             }
-            None => Ok(self.norms(structure, |w, i| [w.external[i], w.internal[i], R::zero()])),
+            None => Ok(self.norms(structure, false)),
         }
     }
 
     /// Residual in `scratch` and the norms of `[external, internal, inertia]` and of their
-    /// balance, over the coordinates that are free: what acts on a support is no measure of what
-    /// acts on the rest.
-    fn norms<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        parts: impl Fn(&Self, usize) -> [R; 3],
-    ) -> Balance<R> {
+    /// balance, over what acts on the unknowns: what a support carries is no measure of the rest.
+    fn norms<S: Structure<R> + ?Sized>(&mut self, structure: &S, inertia: bool) -> Balance<R> {
         let measure = structure.measure();
+        let unknowns = structure.unknowns();
+        unknowns.reduce(&mut self.external);
+        unknowns.reduce(&mut self.internal);
+        if inertia {
+            unknowns.reduce(&mut self.inertia);
+        }
         let mut squares = [R::zero(); 4];
-        for i in 0..measure.len() {
-            let [external, internal, inertia] = parts(self, i);
+        for &i in unknowns.free() {
+            let (external, internal) = (self.external[i], self.internal[i]);
+            let inertia = if inertia { self.inertia[i] } else { R::zero() };
             let residual = external - internal - inertia;
             self.scratch[i] = residual;
-            if self.is_fixed[i] {
-                self.scratch[i] = R::zero();
-                continue;
-            }
             for (square, part) in squares
                 .iter_mut()
                 .zip([residual, external, internal, inertia])
@@ -354,23 +352,25 @@ impl<R: Real> Workspace<R> {
         self.factored = false;
         self.tangent.clear();
         structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
-        self.tangent.abs_mul_vec(u, &mut self.internal)?;
+        let unknowns = structure.unknowns();
+        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+            *q = u[i];
+        }
+        let stored = self.tangent.stored();
+        stored.abs_mul_vec(&self.unknown, &mut self.rounding)?;
         let measure = structure.measure();
         let mut square = R::zero();
-        for i in 0..u.len() {
-            if !self.is_fixed[i] {
-                let part = self.internal[i] * measure[i];
-                square += part * part;
-            }
+        for (rounding, &i) in self.rounding.iter().zip(unknowns.free()) {
+            let part = *rounding * measure[i];
+            square += part * part;
         }
         self.floor = norm(square) * R::lit(R::EPSILON);
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
-        self.fix(structure)?;
-        match self.factor.factor(&self.tangent) {
+        match self.factor.factor(self.tangent.stored()) {
             Err(Error::Singular { unknown, pivot }) => Err(Error::Mechanism {
-                coordinate: structure.name(unknown),
+                coordinate: structure.name(unknowns.free()[unknown]),
                 pivot,
             }),
             other => {
@@ -380,22 +380,22 @@ impl<R: Real> Workspace<R> {
         }
     }
 
-    fn fix<S: Structure<R> + ?Sized>(&mut self, structure: &S) -> Result<()> {
-        for &i in structure.fixed() {
-            let diagonal = self.tangent.get(i, i).abs();
-            let diagonal = if diagonal > R::zero() {
-                diagonal
-            } else {
-                R::one()
-            };
-            self.tangent.fix(i, diagonal)?;
+    /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
+    fn solve_linear(&mut self, unknowns: &Unknowns<R>) -> Result<()> {
+        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+            *q = self.scratch[i];
         }
+        self.factor.solve(&mut self.unknown)?;
+        for (q, &i) in self.unknown.iter().zip(unknowns.free()) {
+            self.scratch[i] = *q;
+        }
+        unknowns.follow(&mut self.scratch);
         Ok(())
     }
 
     /// Applies one correction and returns its largest component in natural sizes.
     fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> Result<R> {
-        self.factor.solve(&mut self.scratch)?;
+        self.solve_linear(structure.unknowns())?;
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
         for (((u, moved), du), measure) in corrected.zip(structure.measure()) {

@@ -4,7 +4,8 @@
 //! load asked for.
 
 use super::newton::{Equations, Newton, Workspace};
-use super::{State, Structure};
+use super::unknowns::Unknowns;
+use super::{Rate, State, Structure};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 
@@ -77,7 +78,8 @@ impl Statics {
                 remedy: "use at least one load step",
             });
         }
-        state.check(structure.profile().size())?;
+        let unknowns = structure.unknowns();
+        state.check(unknowns.coordinates())?;
         let mut workspace = Workspace::new(structure);
         let mut report = StaticReport::default();
         let full = R::lit((self.steps as f64).recip());
@@ -88,6 +90,7 @@ impl Statics {
         let mut u = state.displacement.clone();
         let mut initial = vec![R::zero(); u.len()];
         structure.add_internal(&u, &mut initial);
+        let bound = Bound::new(structure, state)?;
         while reached < R::one() {
             let mut factor = (reached + step).smaller(R::one());
             // Do not leave a sliver for the last step.
@@ -101,6 +104,7 @@ impl Statics {
                     u[i] += ratio * (state.displacement[i] - last[i]);
                 }
             }
+            bound.impose(unknowns, factor, &mut u);
             let equations = Equations {
                 time: state.time,
                 factor,
@@ -139,5 +143,35 @@ impl Statics {
             }
         }
         Ok(report)
+    }
+}
+
+/// The coordinates that are not solved for on their way from where the state has them to where the
+/// structure wants them: by how much each differs from what follows from the unknowns alone.
+struct Bound<R> {
+    from: Vec<R>,
+    to: Vec<R>,
+}
+
+impl<R: Real> Bound<R> {
+    fn new<S: Structure<R>>(structure: &S, state: &State<R>) -> Result<Self> {
+        let mut from = state.displacement.clone();
+        let mut to = state.displacement.clone();
+        structure.impose(state.time, Rate::Displacement, &mut to)?;
+        let mut following = state.displacement.clone();
+        structure.unknowns().follow(&mut following);
+        for (i, x) in following.into_iter().enumerate() {
+            from[i] -= x;
+            to[i] -= x;
+        }
+        Ok(Self { from, to })
+    }
+
+    /// Imposes the share `factor` of the way.
+    fn impose(&self, unknowns: &Unknowns<R>, factor: R, u: &mut [R]) {
+        unknowns.follow(u);
+        for (u, (from, to)) in u.iter_mut().zip(self.from.iter().zip(&self.to)) {
+            *u += *from + factor * (*to - *from);
+        }
     }
 }

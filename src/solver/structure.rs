@@ -2,22 +2,39 @@
 //! vector of coordinates. Beams are one implementation; a pendulum of one unknown in a test is
 //! another.
 
-use super::band::{BandMatrix, Profile};
+use super::matrix::Matrix;
+use super::unknowns::Unknowns;
 use crate::error::Result;
 use crate::scalar::Real;
+
+/// What a vector of coordinates holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rate {
+    /// Displacements.
+    Displacement,
+    /// Their first derivatives by time.
+    Velocity,
+    /// Their second derivatives by time.
+    Acceleration,
+}
 
 /// A structure with `n` coordinates: `M a + Q_s(u) = Q_e(t, u)` (eq. 16 of Orzechowski 2012) in
 /// displacements `u` from the reference state. Every method adds to its output.
 pub trait Structure<R: Real> {
-    /// Which coordinates couple.
-    fn profile(&self) -> &Profile;
+    /// Which coordinates are solved for, how the others follow from them, and which couple.
+    fn unknowns(&self) -> &Unknowns<R>;
 
     /// Whether the tangent is symmetric at every state.
     fn symmetric(&self) -> bool;
 
-    /// Indices of the coordinates that do not move, ascending; none by default.
-    fn fixed(&self) -> &[usize] {
-        &[]
+    /// Makes the coordinates that are not solved for obey what binds them: displacements, or
+    /// rates of them, as they are at `time` (s). By default no motion is given in time.
+    ///
+    /// # Errors
+    /// When a given motion is not finite.
+    fn impose(&self, _time: R, _rate: Rate, x: &mut [R]) -> Result<()> {
+        self.unknowns().follow(x);
+        Ok(())
     }
 
     /// Natural size of each coordinate (the length of the body for positions, 1 for slopes): what
@@ -53,7 +70,7 @@ pub trait Structure<R: Real> {
     ///
     /// # Errors
     /// When a load is not finite.
-    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut BandMatrix<R>) -> Result<()>;
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()>;
 
     /// What coordinate `i` is, in words, for messages.
     fn name(&self, i: usize) -> String {
@@ -78,6 +95,6 @@ pub trait Structure<R: Real> {
     /// Adds `factor * M` to a matrix.
     ///
     /// # Errors
-    /// When the matrix has another profile.
-    fn add_mass(&self, factor: R, k: &mut BandMatrix<R>) -> Result<()>;
+    /// When the matrix is of other unknowns.
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()>;
 }

@@ -10,7 +10,7 @@ use super::{Limit, Report};
 use crate::error::{Error, Result};
 use crate::formulation::{ElementKernel, Tangent};
 use crate::scalar::{Algebra, Real};
-use crate::solver::{BandMatrix, Structure};
+use crate::solver::{Matrix, Rate, Structure};
 
 /// A function of several variables, written once for every number type over `R`.
 pub trait Residual<R: Real> {
@@ -291,7 +291,8 @@ where
 }
 
 /// The assembled tangent of a structure against differences of its residual, internal minus
-/// external forces, at the time `time` (s) and displacements `u`.
+/// external forces, by the unknowns, at the time `time` (s) and displacements `u` (as far as no
+/// support or joint says otherwise).
 ///
 /// # Errors
 /// Those of [`differences`] and of the structure's loads.
@@ -300,20 +301,35 @@ pub fn structure_tangent<R: Real, S: Structure<R>>(
     time: R,
     u: &[R],
 ) -> Result<Curve> {
-    let (n, units) = (structure.profile().size(), structure.measure());
-    Error::check_length("length of the displacements", u.len(), n)?;
-    let mut k = BandMatrix::general(structure.profile());
-    structure.add_tangent(time, R::one(), u, &mut k)?;
+    let (unknowns, measure) = (structure.unknowns(), structure.measure());
+    Error::check_length("length of the displacements", u.len(), measure.len())?;
+    let mut u = u.to_vec();
+    structure.impose(time, Rate::Displacement, &mut u)?;
+    let mut k = Matrix::zero(unknowns, false);
+    structure.add_tangent(time, R::one(), &u, &mut k)?;
+    let units: Vec<R> = unknowns.free().iter().map(|i| measure[*i]).collect();
+    let n = units.len();
     let exact: Vec<R> = (0..n * n)
-        .map(|e| k.get(e / n, e % n) * units[e / n])
+        .map(|e| k.stored().get(e / n, e % n) * units[e / n])
         .collect();
-    let residual = |u: &[R]| {
-        let (mut q, mut external) = (vec![R::zero(); n], vec![R::zero(); n]);
-        structure.add_internal(u, &mut q);
-        structure.add_external(time, R::one(), u, &mut external)?;
-        Ok((0..n).map(|i| (q[i] - external[i]) * units[i]).collect())
+    let residual = |q: &[R]| {
+        let mut u = u.clone();
+        for (q, i) in q.iter().zip(unknowns.free()) {
+            u[*i] = *q;
+        }
+        structure.impose(time, Rate::Displacement, &mut u)?;
+        let (mut internal, mut external) = (vec![R::zero(); u.len()], vec![R::zero(); u.len()]);
+        structure.add_internal(&u, &mut internal);
+        structure.add_external(time, R::one(), &u, &mut external)?;
+        for (q, external) in internal.iter_mut().zip(&external) {
+            *q -= *external;
+        }
+        unknowns.reduce(&mut internal);
+        let free = unknowns.free().iter().zip(&units);
+        Ok(free.map(|(i, unit)| internal[*i] * *unit).collect())
     };
-    differences(residual, &exact, u, units)
+    let q: Vec<R> = unknowns.free().iter().map(|i| u[*i]).collect();
+    differences(residual, &exact, &q, &units)
 }
 
 fn nodal<R: Real, const D: usize, const S: usize>(x: &[R]) -> [[R; D]; S] {

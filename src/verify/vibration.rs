@@ -9,7 +9,7 @@ use crate::error::{Error, Result, positive};
 use crate::formulation::Formulation;
 use crate::scene::{Beam, Scene};
 use crate::section::Section;
-use crate::solver::{BandMatrix, Structure};
+use crate::solver::{Matrix, Structure};
 
 /// A uniform beam and its mesh: what theory and chain share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,15 +115,13 @@ fn simply_supported(rod: &Rod, area: f64, second: f64, mode: usize) -> [f64; 2] 
 
 /// Squares of the circular frequencies of a structure about its reference state, ascending.
 fn squared_frequencies(structure: &impl Structure<f64>) -> Result<Vec<f64>> {
-    let profile = structure.profile();
-    let mut matrices = [BandMatrix::general(profile), BandMatrix::general(profile)];
+    let unknowns = structure.unknowns();
+    let mut matrices = [Matrix::zero(unknowns, false), Matrix::zero(unknowns, false)];
     let [stiffness, mass] = &mut matrices;
-    structure.add_tangent(0.0, 1.0, &vec![0.0; profile.size()], stiffness)?;
+    structure.add_tangent(0.0, 1.0, &vec![0.0; unknowns.coordinates()], stiffness)?;
     structure.add_mass(1.0, mass)?;
-    let fixed = structure.fixed();
-    let free: Vec<usize> = (0..profile.size()).filter(|i| !fixed.contains(i)).collect();
-    let [stiffness, mass] =
-        matrices.map(|m| DMatrix::from_fn(free.len(), free.len(), |i, j| m.get(free[i], free[j])));
+    let n = unknowns.count();
+    let [stiffness, mass] = matrices.map(|m| DMatrix::from_fn(n, n, |i, j| m.stored().get(i, j)));
     let smallest = mass.diagonal().min();
     let Some(factor) = Cholesky::new(mass) else {
         return Err(Error::NotPositive {

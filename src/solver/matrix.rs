@@ -1,0 +1,103 @@
+//! A matrix that is written by coordinates and stored by unknowns: elements and loads add to the
+//! coordinates they know, and what follows from other coordinates goes where those are.
+
+use super::band::BandMatrix;
+use super::unknowns::{Combination, Unknowns};
+use crate::error::{Error, Result};
+use crate::scalar::Real;
+
+/// A tangent or mass matrix over the coordinates of a structure, `T^T K T` over its [`Unknowns`].
+/// No method but the constructors allocates.
+#[derive(Debug, Clone)]
+pub struct Matrix<R> {
+    unknowns: Unknowns<R>,
+    stored: BandMatrix<R>,
+}
+
+impl<R: Real> Matrix<R> {
+    /// Zero matrix; `symmetric` ones store one triangle.
+    #[must_use]
+    pub fn zero(unknowns: &Unknowns<R>, symmetric: bool) -> Self {
+        let profile = unknowns.profile();
+        Self {
+            unknowns: unknowns.clone(),
+            stored: if symmetric {
+                BandMatrix::symmetric(profile)
+            } else {
+                BandMatrix::general(profile)
+            },
+        }
+    }
+
+    /// The matrix over the unknowns.
+    #[must_use]
+    pub fn stored(&self) -> &BandMatrix<R> {
+        &self.stored
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.stored.clear();
+    }
+
+    /// Adds `value` to the entry of the coordinates `i` and `j`. Both `(i, j)` and `(j, i)` of a
+    /// symmetric matrix are to be added; one of them is stored.
+    ///
+    /// # Errors
+    /// [`Error::OutsideProfile`](crate::Error::OutsideProfile) for coordinates that do not couple.
+    #[inline]
+    pub fn add(&mut self, i: usize, j: usize, value: R) -> Result<()> {
+        let Self { unknowns, stored } = self;
+        for_each(unknowns, i, value, |p, value| {
+            for_each(unknowns, j, value, |q, value| stored.add(p, q, value))
+        })
+    }
+
+    /// Adds the full row-major matrix of an element whose `n` coordinates are numbered
+    /// consecutively from `offset`.
+    ///
+    /// # Errors
+    /// Those of [`add`](Self::add), [`Error::Length`](crate::Error::Length) for a block of another
+    /// size.
+    pub fn add_block(&mut self, offset: usize, n: usize, block: &[R]) -> Result<()> {
+        Error::check_length("element matrix", block.len(), n * n)?;
+        if let Some(first) = self.unknowns.run(offset, n) {
+            return self.stored.add_block(first, n, block);
+        }
+        for (i, row) in block.chunks_exact(n).enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                self.add(offset + i, offset + j, *value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds `alpha * other`.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`](crate::Error::Unsupported) unless both are of the same unknowns and
+    /// store the same triangles.
+    pub fn scale_add(&mut self, alpha: R, other: &Self) -> Result<()> {
+        self.stored.scale_add(alpha, &other.stored)
+    }
+}
+
+/// Calls `give` for every unknown that coordinate `i` is made of, with its share of `value`.
+#[inline]
+fn for_each<R: Real>(
+    unknowns: &Unknowns<R>,
+    i: usize,
+    value: R,
+    mut give: impl FnMut(usize, R) -> Result<()>,
+) -> Result<()> {
+    match unknowns.combination(i) {
+        Combination::Unknown(p) => give(p, value),
+        Combination::Sum(terms) => terms.iter().try_for_each(|(i, a)| {
+            match unknowns.combination(*i) {
+                Combination::Unknown(p) => give(p, value * *a),
+                // Followers follow unknowns only.
+                Combination::Sum(_) => Ok(()),
+            }
+        }),
+    }
+}

@@ -1,0 +1,399 @@
+//! What a structure is solved for. Supports, joints that share coordinates, linear constraints and
+//! motions given in time all say the same: some coordinates follow linearly from others. Those are
+//! eliminated before anything is solved, `x = T q + C f(t)`, so that no multiplier is carried for
+//! them and a definite stiffness stays definite.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::band::Profile;
+use crate::error::{Error, Result, finite};
+use crate::scalar::Real;
+
+/// A linear condition on coordinates: `sum_i a_i x_i + sum_k b_k f_k = 0` at every time.
+#[derive(Debug, Clone)]
+pub struct Condition<R> {
+    /// Coordinates and their coefficients `a_i`.
+    pub terms: Vec<(usize, R)>,
+    /// Motions known in time and their coefficients `b_k`.
+    pub known: Vec<(usize, R)>,
+}
+
+impl<R: Real> Condition<R> {
+    /// Coordinate `i` does not move.
+    pub fn fixed(i: usize) -> Self {
+        Self {
+            terms: vec![(i, R::one())],
+            known: Vec::new(),
+        }
+    }
+
+    /// Coordinates `i` and `j` move together.
+    pub fn shared(i: usize, j: usize) -> Self {
+        Self {
+            terms: vec![(i, R::one()), (j, -R::one())],
+            known: Vec::new(),
+        }
+    }
+
+    /// Coordinate `i` follows motion `k`.
+    pub fn driven(i: usize, k: usize) -> Self {
+        Self {
+            terms: vec![(i, R::one())],
+            known: vec![(k, -R::one())],
+        }
+    }
+}
+
+/// A coordinate that follows from others and from known motions.
+#[derive(Debug, Clone)]
+struct Follower<R> {
+    coordinate: usize,
+    /// Coordinates that are unknowns.
+    terms: Vec<(usize, R)>,
+    known: Vec<(usize, R)>,
+}
+
+impl<R: Real> Follower<R> {
+    fn sum(&self, x: &[R]) -> R {
+        self.terms.iter().map(|(i, a)| *a * x[*i]).sum()
+    }
+}
+
+/// Where a coordinate is found.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Unknown(usize),
+    Follower(usize),
+}
+
+/// The coordinates `x` of a structure in terms of its unknowns `q`, which are coordinates
+/// themselves: those that no condition makes follow. Cloning is cheap: the tables are shared.
+#[derive(Debug, Clone)]
+pub struct Unknowns<R> {
+    tables: Arc<Tables<R>>,
+}
+
+#[derive(Debug)]
+struct Tables<R> {
+    places: Vec<Place>,
+    free: Vec<usize>,
+    followers: Vec<Follower<R>>,
+    profile: Profile,
+}
+
+impl<R: Real> Unknowns<R> {
+    /// Every coordinate an unknown, coupled as the profile says.
+    pub fn all(profile: Profile) -> Self {
+        let size = profile.size();
+        let tables = Tables {
+            places: (0..size).map(Place::Unknown).collect(),
+            free: (0..size).collect(),
+            followers: Vec::new(),
+            profile,
+        };
+        Self {
+            tables: Arc::new(tables),
+        }
+    }
+
+    /// `size` coordinates under conditions. `couple` is called with a function to be told every
+    /// set of coordinates (given by ranges) that an element couples with each other.
+    ///
+    /// A condition that follows from the others is dropped. Of two coordinates that a joint shares,
+    /// the one with the higher index follows.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCoordinate`], a coefficient that is not finite,
+    /// [`Error::Contradiction`] for two motions of one coordinate, [`Error::TooFew`] when nothing
+    /// is left to solve for.
+    pub fn new(
+        size: usize,
+        conditions: impl IntoIterator<Item = Condition<R>>,
+        couple: impl Fn(&mut dyn FnMut(&[Range<usize>])),
+    ) -> Result<Self> {
+        let followers = eliminate(size, conditions)?;
+        let mut places = vec![Place::Unknown(0); size];
+        for (k, follower) in followers.iter().enumerate() {
+            places[follower.coordinate] = Place::Follower(k);
+        }
+        let mut free = Vec::with_capacity(size - followers.len());
+        for (i, place) in places.iter_mut().enumerate() {
+            if let Place::Unknown(q) = place {
+                *q = free.len();
+                free.push(i);
+            }
+        }
+        if free.is_empty() {
+            return Err(Error::TooFew {
+                what: "number of coordinates that can move",
+                value: 0,
+                least: 1,
+                remedy: "release a support",
+            });
+        }
+        let mut reaches = Vec::new();
+        couple(&mut |ranges| {
+            let mut span: Option<(usize, usize)> = None;
+            let mut reach = |q: usize| {
+                let (low, high) = span.unwrap_or((q, q));
+                span = Some((low.min(q), high.max(q)));
+            };
+            for i in ranges.iter().cloned().flatten() {
+                match &places[i] {
+                    Place::Unknown(q) => reach(*q),
+                    Place::Follower(k) => {
+                        for (j, _) in &followers[*k].terms {
+                            if let Place::Unknown(q) = places[*j] {
+                                reach(q);
+                            }
+                        }
+                    }
+                }
+            }
+            reaches.extend(span.map(|(low, high)| low..high + 1));
+        });
+        let profile = Profile::from_ranges(free.len(), reaches)?;
+        let tables = Tables {
+            places,
+            free,
+            followers,
+            profile,
+        };
+        Ok(Self {
+            tables: Arc::new(tables),
+        })
+    }
+
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.tables.places.len()
+    }
+
+    /// Number of unknowns.
+    pub fn count(&self) -> usize {
+        self.tables.free.len()
+    }
+
+    /// The coordinate that each unknown is, ascending.
+    pub fn free(&self) -> &[usize] {
+        &self.tables.free
+    }
+
+    /// Which unknowns couple.
+    pub fn profile(&self) -> &Profile {
+        &self.tables.profile
+    }
+
+    /// Generalised forces of the coordinates turned into those of the unknowns, `T^T Q`, in place:
+    /// those of a follower go to what it follows and leave zero behind.
+    pub fn reduce(&self, force: &mut [R]) {
+        for follower in &self.tables.followers {
+            let q = force[follower.coordinate];
+            force[follower.coordinate] = R::zero();
+            for (i, a) in &follower.terms {
+                force[*i] += *a * q;
+            }
+        }
+    }
+
+    /// Makes changes of the followers those that the changes of the unknowns bring, in place.
+    pub fn follow(&self, change: &mut [R]) {
+        for follower in &self.tables.followers {
+            change[follower.coordinate] = follower.sum(change);
+        }
+    }
+
+    /// Makes the followers obey the conditions with the motions `known`, in place.
+    ///
+    /// # Errors
+    /// Those of `known`.
+    pub fn impose(&self, x: &mut [R], known: impl Fn(usize) -> Result<R>) -> Result<()> {
+        for follower in &self.tables.followers {
+            let mut sum = follower.sum(x);
+            for (k, b) in &follower.known {
+                sum += *b * known(*k)?;
+            }
+            x[follower.coordinate] = sum;
+        }
+        Ok(())
+    }
+
+    /// The unknowns that coordinate `i` is made of, with their coefficients.
+    pub(super) fn combination(&self, i: usize) -> Combination<'_, R> {
+        match self.tables.places[i] {
+            Place::Unknown(q) => Combination::Unknown(q),
+            Place::Follower(k) => Combination::Sum(&self.tables.followers[k].terms),
+        }
+    }
+
+    /// The first unknown of `n` coordinates from `offset` on, if they are unknowns in a row.
+    #[inline]
+    pub(super) fn run(&self, offset: usize, n: usize) -> Option<usize> {
+        let places = &self.tables.places;
+        // Unknowns are numbered like coordinates, so the ends tell that nothing between is missing.
+        match (places[offset], places[offset + n - 1]) {
+            (Place::Unknown(first), Place::Unknown(last)) if last - first + 1 == n => Some(first),
+            _ => None,
+        }
+    }
+}
+
+/// What a coordinate is in terms of unknowns.
+pub(super) enum Combination<'a, R> {
+    /// An unknown itself.
+    Unknown(usize),
+    /// A sum over other coordinates, all of them unknowns.
+    Sum(&'a [(usize, R)]),
+}
+
+/// Rows under elimination: one column per coordinate, then one per known motion.
+type Row<R> = BTreeMap<usize, R>;
+
+/// Solves the conditions for as many coordinates as they bind, by Gauss-Jordan elimination with
+/// the largest coefficient as the pivot.
+fn eliminate<R: Real>(
+    size: usize,
+    conditions: impl IntoIterator<Item = Condition<R>>,
+) -> Result<Vec<Follower<R>>> {
+    // Solved rows by the coordinate they give, and where each coordinate or motion is used.
+    let mut solved: BTreeMap<usize, Row<R>> = BTreeMap::new();
+    let mut users: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for condition in conditions {
+        let mut row = Row::new();
+        let mut largest = R::zero();
+        for (i, a) in &condition.terms {
+            if *i >= size {
+                return Err(Error::NoSuchCoordinate { index: *i, size });
+            }
+            let a = finite("coefficient of a linear constraint", *a)?;
+            largest = largest.larger(a.abs());
+            match solved.get(i) {
+                Some(given) => add(&mut row, a, given),
+                None => *row.entry(*i).or_insert(R::zero()) += a,
+            }
+        }
+        for (k, b) in &condition.known {
+            let b = finite("coefficient of a linear constraint", *b)?;
+            *row.entry(size + *k).or_insert(R::zero()) += b;
+        }
+        // What elimination leaves of equal terms is rounding.
+        let noise = largest * R::lit(64.0 * R::EPSILON);
+        row.retain(|_, a| a.abs() > noise);
+        let bound = row.iter().filter(|(i, _)| **i < size);
+        let pivot = bound.max_by(|(i, a), (j, b)| {
+            let order = a.abs().partial_cmp(&b.abs());
+            order.unwrap_or(std::cmp::Ordering::Equal).then(i.cmp(j))
+        });
+        let Some((&pivot, &coefficient)) = pivot else {
+            if row.is_empty() {
+                continue;
+            }
+            return Err(Error::Contradiction {
+                coordinates: condition.terms.iter().map(|(i, _)| *i).collect(),
+            });
+        };
+        row.remove(&pivot);
+        for a in row.values_mut() {
+            *a = -*a / coefficient;
+        }
+        for user in users.remove(&pivot).unwrap_or_default() {
+            if let Some(other) = solved.get_mut(&user)
+                && let Some(a) = other.remove(&pivot)
+            {
+                add(other, a, &row);
+                for i in row.keys() {
+                    users.entry(*i).or_default().push(user);
+                }
+            }
+        }
+        for i in row.keys() {
+            users.entry(*i).or_default().push(pivot);
+        }
+        solved.insert(pivot, row);
+    }
+    let follower = |(coordinate, row): (usize, Row<R>)| {
+        let mut follower = Follower {
+            coordinate,
+            terms: Vec::new(),
+            known: Vec::new(),
+        };
+        for (i, a) in row {
+            match i.checked_sub(size) {
+                None => follower.terms.push((i, a)),
+                Some(k) => follower.known.push((k, a)),
+            }
+        }
+        follower
+    };
+    Ok(solved.into_iter().map(follower).collect())
+}
+
+fn add<R: Real>(row: &mut Row<R>, factor: R, other: &Row<R>) {
+    for (i, a) in other {
+        *row.entry(*i).or_insert(R::zero()) += factor * *a;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain(size: usize, conditions: Vec<Condition<f64>>) -> Result<Unknowns<f64>> {
+        Unknowns::new(size, conditions, |tell| {
+            (1..size).for_each(|i| tell(&[i - 1..i + 1]));
+        })
+    }
+
+    /// Followers of followers end at unknowns, redundant conditions drop out, and motions arrive.
+    #[test]
+    fn conditions_are_solved_whatever_their_order() -> Result<()> {
+        let mean = Condition {
+            terms: vec![(1, 1.0), (0, -0.5), (2, -0.5)],
+            known: vec![],
+        };
+        let given = [
+            Condition::shared(2, 4),
+            mean,
+            Condition::driven(4, 0),
+            Condition::shared(4, 2),
+            Condition::fixed(5),
+        ];
+        for start in 0..given.len() {
+            let mut conditions = given.to_vec();
+            conditions.rotate_left(start);
+            let unknowns = chain(6, conditions)?;
+            assert_eq!(unknowns.count(), 2);
+            let mut x = [7.0; 6];
+            for i in unknowns.free() {
+                x[*i] = 1.0 + *i as f64;
+            }
+            unknowns.impose(&mut x, |_| Ok(3.0))?;
+            let expected = [x[2] - x[4], x[4] - 3.0, x[1] - 0.5 * (x[0] + x[2]), x[5]];
+            assert!(expected.iter().all(|gap| gap.abs() < 1e-15), "{x:?}");
+            // Work is the same by coordinates and by unknowns.
+            let force = [1.0, -2.0, 3.0, 0.5, 0.25, 9.0];
+            let mut moved = [0.0; 6];
+            for i in unknowns.free() {
+                moved[*i] = 0.3 + *i as f64;
+            }
+            unknowns.follow(&mut moved);
+            let mut reduced = force;
+            unknowns.reduce(&mut reduced);
+            let work = |q: [f64; 6]| q.iter().zip(&moved).map(|(q, x)| q * x).sum::<f64>();
+            assert!((work(force) - work(reduced)).abs() < 1e-14);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn contradictions_and_strangers_are_refused() {
+        let twice = vec![Condition::driven(0, 0), Condition::driven(0, 1)];
+        let error = chain(2, twice).unwrap_err();
+        assert!(matches!(error, Error::Contradiction { .. }), "{error}");
+        assert!(chain(2, vec![Condition::fixed(2)]).is_err());
+        let all = chain(2, vec![Condition::fixed(0), Condition::fixed(1)]);
+        assert!(matches!(all, Err(Error::TooFew { .. })));
+    }
+}
