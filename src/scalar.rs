@@ -58,6 +58,11 @@ pub trait Scalar:
 {
     /// The constant `x`, rounded to this type.
     fn lit(x: f64) -> Self;
+    /// `self + a b`, rounded once where that is one instruction.
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
 }
 
 /// A [`Scalar`] with division and elementary functions: what a strain energy may use.
@@ -107,6 +112,11 @@ pub trait Algebra<R>: Field {
     fn lift(r: R) -> Self;
     /// `r * self`.
     fn times(self, r: R) -> Self;
+    /// `self + r a`, rounded once where that is one instruction.
+    #[inline(always)]
+    fn plus_times(self, r: R, a: Self) -> Self {
+        self + a.times(r)
+    }
     /// The dual number with this value and no derivatives.
     fn constant<const N: usize>(self) -> Self::Dual<N>;
     /// The dual number with this value and the unit derivative in direction `k < N`.

@@ -9,7 +9,7 @@ use crate::scalar::{Algebra, Scalar};
 pub(crate) fn dot<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = a[0] * b[0];
     for c in 1..D {
-        sum += a[c] * b[c];
+        sum = sum.plus_product(a[c], b[c]);
     }
     sum
 }
@@ -24,7 +24,7 @@ pub(crate) fn sum<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
 #[inline(always)]
 pub(crate) fn add_scaled<T: Scalar, const D: usize>(y: &mut [T; D], k: T, x: &[T; D]) {
     for c in 0..D {
-        y[c] += k * x[c];
+        y[c] = y[c].plus_product(k, x[c]);
     }
 }
 
@@ -32,7 +32,7 @@ pub(crate) fn add_scaled<T: Scalar, const D: usize>(y: &mut [T; D], k: T, x: &[T
 #[inline(always)]
 pub(crate) fn add_times<R: Copy, T: Algebra<R>, const D: usize>(y: &mut [T; D], r: R, x: &[T; D]) {
     for c in 0..D {
-        y[c] += x[c].times(r);
+        y[c] = y[c].plus_times(r, x[c]);
     }
 }
 

@@ -1,8 +1,10 @@
 //! Continuum beams: a material sampled over the volume of the element by an axial Gauss rule
 //! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
-//! of [`Layer`]s: which part of the material is sampled with which rule.
+//! of [`Layer`]s: which part of the material is sampled with which rule. Where the elasticity is
+//! constant the rule enters by its moments alone, and layers with the same axial points are one.
 
-use super::law::ContinuumSection;
+use super::law::{PointSection, SectionLaw, SectionStiffness};
+use super::moments::MomentSection;
 use super::rank::{Stocky, check_rank};
 use super::sampled::{SampledKernel, section_samples};
 use super::{Formulation, Reference, section_points};
@@ -10,7 +12,7 @@ use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::material::{Material, PoissonSplit};
 use crate::quadrature::gauss_legendre;
-use crate::scalar::Real;
+use crate::scalar::{Algebra, Real};
 use crate::section::Section;
 
 /// One part of the material and where it is sampled.
@@ -143,6 +145,55 @@ impl<M: PoissonSplit> Continuum<M> {
     }
 }
 
+/// A material integrated over the section: by moments where its elasticity is constant and the
+/// reference straight, at section points otherwise.
+#[derive(Debug, Clone)]
+pub enum ContinuumSection<R, M, const D: usize> {
+    /// Integrated once and for all.
+    Moments(MomentSection<R, D>),
+    /// Sampled at every evaluation.
+    Points(PointSection<R, M, D>),
+}
+
+impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for ContinuumSection<R, M, D>
+where
+    R: Real,
+    M: Material<R, D>,
+{
+    #[inline]
+    fn in_lanes(&self) -> bool {
+        matches!(self, Self::Moments(_))
+    }
+
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
+        match self {
+            Self::Moments(law) => law.energy(reference, h),
+            Self::Points(law) => law.energy(reference, h),
+        }
+    }
+
+    #[inline(always)]
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+        match self {
+            Self::Moments(law) => law.resultants(reference, h),
+            Self::Points(law) => law.resultants(reference, h),
+        }
+    }
+
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        match self {
+            Self::Moments(law) => law.stiffness(reference, h),
+            Self::Points(law) => law.stiffness(reference, h),
+        }
+    }
+}
+
 /// Kernel of a [`Continuum`] beam; `K = 2 D - 1`.
 pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> =
     SampledKernel<R, ContinuumSection<R, M, D>, D, S, K>;
@@ -168,15 +219,35 @@ impl<M> Continuum<M> {
             });
         }
         let samples = section_samples(element, reference.length)?;
-        let mut kernel = SampledKernel::new();
+        let mut laws: Vec<(usize, ContinuumSection<R, M, D>)> = Vec::new();
         for layer in &self.layers {
             let points = match layer.across {
                 Across::Degree(degree) => section_points(section, degree)?,
                 Across::Centroid => vec![centroid(section)?],
             };
-            let law =
-                ContinuumSection::new(layer.material.clone(), points, reference.is_straight());
-            let axial = gauss_legendre(layer.axial)?;
+            let straight = reference.is_straight();
+            let elasticity = layer.material.constant_elasticity().filter(|_| straight);
+            let Some(moduli) = elasticity else {
+                let law = PointSection::new(layer.material.clone(), points, straight);
+                laws.push((layer.axial, ContinuumSection::Points(law)));
+                continue;
+            };
+            let same = laws.iter_mut().find_map(|(axial, law)| match law {
+                ContinuumSection::Moments(law) if *axial == layer.axial => Some(law),
+                _ => None,
+            });
+            match same {
+                Some(law) => law.add(&moduli, &points),
+                None => {
+                    let mut law = MomentSection::new();
+                    law.add(&moduli, &points);
+                    laws.push((layer.axial, ContinuumSection::Moments(law)));
+                }
+            }
+        }
+        let mut kernel = SampledKernel::new();
+        for (axial, law) in laws {
+            let axial = gauss_legendre(axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
         Ok(kernel)

@@ -19,6 +19,13 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     Debug + Send + Sync + 'static
 {
+    /// Whether every function of the law is inlined into its caller, so that lanes of elements run
+    /// as fast as one: see [`ElementKernel::in_lanes`](super::ElementKernel::in_lanes).
+    #[inline]
+    fn in_lanes(&self) -> bool {
+        false
+    }
+
     /// Energy per unit length (J/m).
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T;
 
@@ -97,13 +104,13 @@ pub(super) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
     })
 }
 
-/// A material integrated over the section of a beam whose position is linear in the cross
+/// A material sampled at points of the section of a beam whose position is linear in the cross
 /// coordinates. Its `K = 2 D - 1` vectors are `r'`, the cross slopes `r_y`[, `r_z`] and their
 /// derivatives along the axis; the deformation gradient at a section point is
 /// `J = [r' + y r_y' + z r_z', r_y, r_z]` (the inner sum of eq. 18 of Orzechowski 2012). On a
 /// curved reference with gradient `J0` it is `J J0^-1`, and derivatives come from the energy.
 #[derive(Debug, Clone)]
-pub struct ContinuumSection<R, M, const D: usize> {
+pub struct PointSection<R, M, const D: usize> {
     material: M,
     /// Section points `(1, y[, z])` with weights: the factors of the vectors in the first column.
     points: Vec<([R; D], R)>,
@@ -112,11 +119,11 @@ pub struct ContinuumSection<R, M, const D: usize> {
 
 /// Which sampled vector has the factor `m` of `(1, y, z)` in the first gradient column.
 #[inline(always)]
-const fn first_column<const D: usize>(m: usize) -> usize {
+pub(super) const fn first_column<const D: usize>(m: usize) -> usize {
     if m == 0 { 0 } else { D - 1 + m }
 }
 
-impl<R: Real, M, const D: usize> ContinuumSection<R, M, D> {
+impl<R: Real, M, const D: usize> PointSection<R, M, D> {
     /// `material` at the section points `(0, y[, z])` (m) with weights (m^2), on references that
     /// are `straight` or not.
     pub(super) fn new(material: M, points: Vec<([R; D], R)>, straight: bool) -> Self {
@@ -151,12 +158,12 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     columns
 }
 
-impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for ContinuumSection<R, M, D>
+impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for PointSection<R, M, D>
 where
     R: Real,
     M: Material<R, D>,
 {
-    #[inline(always)]
+    #[inline]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         let mut energy = T::zero();
         for (y, w) in &self.points {
@@ -173,7 +180,7 @@ where
         energy
     }
 
-    #[inline(always)]
+    #[inline]
     fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
         if !self.straight {
             return derived_resultants(self, reference, h);
@@ -188,7 +195,7 @@ where
         n
     }
 
-    #[inline(always)]
+    #[inline]
     fn stiffness<T: Algebra<R>>(
         &self,
         reference: &[[R; D]; K],

@@ -8,14 +8,16 @@ mod change;
 mod continuum;
 mod inertia;
 mod law;
+mod moments;
 mod rank;
 mod sampled;
 mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
-pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
+pub use continuum::{Across, Continuum, ContinuumKernel, ContinuumSection, Layer};
 pub use inertia::Inertia;
-pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
+pub use law::{PointSection, SectionLaw, SectionStiffness};
+pub use moments::MomentSection;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
@@ -84,6 +86,15 @@ impl<R: Real, const D: usize, const S: usize> Reference<R, D, S> {
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + 'static
 {
+    /// Whether chains of equal elements are to be evaluated several elements at a time, in SIMD
+    /// lanes. Worth it only where every function down to the arithmetic is inlined
+    /// (`#[inline(always)]`): lanes are compiled for the processor's widest registers inside one
+    /// function, and what is called from there crosses over at a price.
+    #[inline]
+    fn in_lanes(&self) -> bool {
+        false
+    }
+
     /// Strain energy (J) (eq. 10).
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T;
 

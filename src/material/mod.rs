@@ -17,6 +17,16 @@ pub type Tensor<T, const D: usize> = [[T; D]; D];
 /// deformation gradient. Only `a <= b` is used; the others follow by symmetry.
 pub type Blocks<T, const D: usize> = [[Tensor<T, D>; D]; D];
 
+/// Constant moduli (Pa) of a law in which normal strains couple among themselves only and every
+/// shear strain stands alone: `S_aa = sum_b normal[a][b] E_bb` and `S_ab = 2 shear[a][b] E_ab`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moduli<R, const D: usize> {
+    /// Symmetric matrix between normal strains and normal stresses.
+    pub normal: Tensor<R, D>,
+    /// Shear moduli, one for each pair of axes; symmetric, the diagonal is not used.
+    pub shear: Tensor<R, D>,
+}
+
 /// A hyperelastic law over the Green-Lagrange strain `E` in `D` dimensions, with parameters in
 /// `R`. Its strain energy density is enough: stress and elasticity follow by dual numbers. A law
 /// that knows them in closed form overrides them, which is faster.
@@ -44,6 +54,13 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
             2 => derived_elasticity::<R, T, Self, D, 3>(self, strain),
             _ => derived_elasticity::<R, T, Self, D, 6>(self, strain),
         }
+    }
+
+    /// The moduli of a law whose elasticity is the same at every strain; none by default. A beam
+    /// of such a material is integrated over its section once and for all.
+    #[inline]
+    fn constant_elasticity(&self) -> Option<Moduli<R, D>> {
+        None
     }
 
     /// The constitutive part of the tangent of the first Piola-Kirchhoff stress,

@@ -1,7 +1,7 @@
 //! St Venant-Kirchhoff: linear elasticity between Green-Lagrange strain and second
 //! Piola-Kirchhoff stress (eq. 11 of Orzechowski 2012).
 
-use super::{Blocks, Material, PoissonSplit, Tensor};
+use super::{Blocks, Material, Moduli, PoissonSplit, Tensor};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
 use crate::tensor::add_scaled;
@@ -19,8 +19,7 @@ use crate::tensor::add_scaled;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SaintVenantKirchhoff<R, const D: usize> {
     young: R,
-    normal: Tensor<R, D>,
-    shear: Tensor<R, D>,
+    moduli: Moduli<R, D>,
 }
 
 impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
@@ -56,10 +55,12 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
         positive("shear modulus of the material [Pa]", shear)?;
         Ok(Self {
             young,
-            normal: std::array::from_fn(|a| {
-                std::array::from_fn(|b| if a == b { diagonal } else { coupling })
-            }),
-            shear: [[shear; D]; D],
+            moduli: Moduli {
+                normal: std::array::from_fn(|a| {
+                    std::array::from_fn(|b| if a == b { diagonal } else { coupling })
+                }),
+                shear: [[shear; D]; D],
+            },
         })
     }
 
@@ -70,14 +71,14 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
 
     /// Shear modulus (Pa) `E / (2 (1 + nu))` of the material.
     pub fn shear(&self) -> R {
-        self.shear[0][D - 1]
+        self.moduli.shear[0][D - 1]
     }
 }
 
 impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {
     fn uncoupled(&self) -> Self {
         let mut part = *self;
-        part.normal = std::array::from_fn(|a| {
+        part.moduli.normal = std::array::from_fn(|a| {
             std::array::from_fn(|b| if a == b { self.young } else { R::zero() })
         });
         part
@@ -86,9 +87,9 @@ impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {
     fn coupled(&self) -> Self {
         let mut part = *self;
         for a in 0..D {
-            part.normal[a][a] -= self.young;
+            part.moduli.normal[a][a] -= self.young;
         }
-        part.shear = [[R::zero(); D]; D];
+        part.moduli.shear = [[R::zero(); D]; D];
         part
     }
 }
@@ -112,10 +113,10 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
         let mut stress = [[T::zero(); D]; D];
         for a in 0..D {
             for b in 0..D {
-                stress[a][a] += strain[b][b].times(self.normal[a][b]);
+                stress[a][a] += strain[b][b].times(self.moduli.normal[a][b]);
             }
             for b in a + 1..D {
-                stress[a][b] = strain[a][b].times(two * self.shear[a][b]);
+                stress[a][b] = strain[a][b].times(two * self.moduli.shear[a][b]);
                 stress[b][a] = stress[a][b];
             }
         }
@@ -127,14 +128,19 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
         let mut c = [[[[T::zero(); D]; D]; D]; D];
         for a in 0..D {
             for b in 0..D {
-                c[a][a][b][b] = T::lift(self.normal[a][b]);
+                c[a][a][b][b] = T::lift(self.moduli.normal[a][b]);
                 if a != b {
-                    c[a][b][a][b] = T::lift(self.shear[a][b]);
-                    c[a][b][b][a] = T::lift(self.shear[a][b]);
+                    c[a][b][a][b] = T::lift(self.moduli.shear[a][b]);
+                    c[a][b][b][a] = T::lift(self.moduli.shear[a][b]);
                 }
             }
         }
         c
+    }
+
+    #[inline]
+    fn constant_elasticity(&self) -> Option<Moduli<R, D>> {
+        Some(self.moduli)
     }
 
     #[inline(always)]
@@ -144,13 +150,13 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
             for b in a..D {
                 for i in 0..D {
                     let row = &mut blocks[a][b][i];
-                    add_scaled(row, c[a][i].times(self.normal[a][b]), &c[b]);
+                    add_scaled(row, c[a][i].times(self.moduli.normal[a][b]), &c[b]);
                     if a == b {
                         for e in (0..D).filter(|&e| e != a) {
-                            add_scaled(row, c[e][i].times(self.shear[a][e]), &c[e]);
+                            add_scaled(row, c[e][i].times(self.moduli.shear[a][e]), &c[e]);
                         }
                     } else {
-                        add_scaled(row, c[b][i].times(self.shear[a][b]), &c[a]);
+                        add_scaled(row, c[b][i].times(self.moduli.shear[a][b]), &c[a]);
                     }
                 }
             }

@@ -1,0 +1,320 @@
+//! The law of a section whose material has constant elasticity. On a straight reference the strain
+//! of an element linear in the cross coordinates is a polynomial of degree two in them, so that the
+//! energy of any section and any rule depends on sums of their products alone: the section is
+//! integrated once, when the kernel is made, and costs the same whatever its shape or rule.
+
+use super::law::{SectionLaw, SectionStiffness, first_column};
+use crate::material::{Moduli, green_lagrange};
+use crate::scalar::{Algebra, Real, Scalar};
+use crate::tensor::{add_scaled, add_times, dot};
+
+/// Constant moduli contracted with the moments `sum_p w_p phi_k phi_l ..` of a rule over the
+/// factors `phi = (1, y[, z])` of the first gradient column.
+///
+/// With `p_k` the sampled vectors of that column (`r', r_y'[, r_z']`) and `c_a` the cross slopes,
+/// `E_xx = sum_kl phi_k phi_l (p_k . p_l - 1) / 2`, `2 E_xa = sum_k phi_k p_k . c_a` and
+/// `2 E_ab = c_a . c_b`, and the energy is a quadratic form of these sums' terms. Exact sections,
+/// reduced rules and a Poisson part on the axis alone differ in the numbers held here only, and
+/// parts sampled at the same stations add up to one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MomentSection<R, const D: usize> {
+    /// Between the terms `kl` and `mn` of the axial strain (N, N m, .., N m^4).
+    axial: [[[[R; D]; D]; D]; D],
+    /// Between the normal strain across, `aa`, and the term `kl` of the axial one.
+    coupling: [[[R; D]; D]; D],
+    /// Between the terms `k` and `l` of the shear strain `xa`.
+    shear: [[[R; D]; D]; D],
+    /// Normal and shear moduli across times the area (N).
+    across: Moduli<R, D>,
+}
+
+impl<R: Real, const D: usize> MomentSection<R, D> {
+    /// A law without stiffness; give it moduli.
+    pub(super) fn new() -> Self {
+        let zero = R::zero();
+        Self {
+            axial: [[[[zero; D]; D]; D]; D],
+            coupling: [[[zero; D]; D]; D],
+            shear: [[[zero; D]; D]; D],
+            across: Moduli {
+                normal: [[zero; D]; D],
+                shear: [[zero; D]; D],
+            },
+        }
+    }
+
+    /// Adds moduli sampled at the section points `(0, y[, z])` (m) with weights (m^2).
+    pub(super) fn add(&mut self, moduli: &Moduli<R, D>, points: &[([R; D], R)]) {
+        let Moduli { normal, shear } = moduli;
+        for (y, w) in points {
+            let phi: [R; D] = std::array::from_fn(|k| if k == 0 { R::one() } else { y[k] });
+            for a in 1..D {
+                for b in 1..D {
+                    self.across.normal[a][b] += *w * normal[a][b];
+                    self.across.shear[a][b] += *w * shear[a][b];
+                }
+            }
+            for k in 0..D {
+                for l in 0..D {
+                    let moment = *w * phi[k] * phi[l];
+                    for a in 1..D {
+                        self.coupling[a][k][l] += moment * normal[0][a];
+                        self.shear[a][k][l] += moment * shear[0][a];
+                    }
+                    for m in 0..D {
+                        for n in 0..D {
+                            self.axial[k][l][m][n] += moment * phi[m] * phi[n] * normal[0][0];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The state of a station: vectors, terms of the strain, and the stresses conjugate to them.
+struct Station<T, const D: usize> {
+    /// Vectors of the first gradient column.
+    p: [[T; D]; D],
+    /// Cross slopes; entry 0 is not used.
+    c: [[T; D]; D],
+    /// Terms `kl` of the axial strain for `k <= l`, those of `kl` and `lk` in one.
+    axial: [[T; D]; D],
+    /// Terms `[a][k]` of the shear strain `2 E_xa`.
+    shear: [[T; D]; D],
+    /// Strain across the beam, and the axial strain on the axis.
+    strain: [[T; D]; D],
+    /// Conjugate to the axial terms, for `k <= l`.
+    tension: [[T; D]; D],
+    /// Conjugate to the shear terms.
+    drag: [[T; D]; D],
+    /// Conjugate to the strain across, for `a <= b`.
+    stress: [[T; D]; D],
+}
+
+impl<R: Real, const D: usize> MomentSection<R, D> {
+    #[inline(always)]
+    fn station<T: Algebra<R>, const K: usize>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+    ) -> Station<T, D> {
+        const {
+            assert!(
+                K == 2 * D - 1,
+                "r', D - 1 cross slopes and their derivatives"
+            )
+        };
+        let (half, two) = (R::lit(0.5), R::lit(2.0));
+        let zero = [[T::zero(); D]; D];
+        let initial: [[R; D]; D] = std::array::from_fn(|a| reference[a]);
+        let displacement: [[T; D]; D] = std::array::from_fn(|a| h[a]);
+        let strain = green_lagrange(&initial, &displacement);
+        let c: [[T; D]; D] =
+            std::array::from_fn(|a| std::array::from_fn(|i| T::lift(initial[a][i]) + h[a][i]));
+        // The derivatives of the slopes have no reference value.
+        let p: [[T; D]; D] = std::array::from_fn(|k| match k {
+            0 => c[0],
+            _ => h[first_column::<D>(k)],
+        });
+        let (mut axial, mut shear) = (zero, zero);
+        axial[0][0] = strain[0][0];
+        for l in 1..D {
+            axial[0][l] = dot(&p[0], &p[l]);
+            axial[l][l] = dot(&p[l], &p[l]).times(half);
+            for k in 1..l {
+                axial[k][l] = dot(&p[k], &p[l]);
+            }
+            shear[l][0] = strain[0][l].times(two);
+            for k in 1..D {
+                shear[l][k] = dot(&c[l], &p[k]);
+            }
+        }
+        let (mut tension, mut drag, mut stress) = (zero, zero, zero);
+        for k in 0..D {
+            for l in k..D {
+                let mut sum = T::zero();
+                for m in 0..D {
+                    for n in m..D {
+                        sum = sum.plus_times(self.axial[k][l][m][n], axial[m][n]);
+                    }
+                }
+                for a in 1..D {
+                    sum = sum.plus_times(self.coupling[a][k][l], strain[a][a]);
+                }
+                tension[k][l] = sum;
+            }
+        }
+        for a in 1..D {
+            for k in 0..D {
+                for l in 0..D {
+                    drag[a][k] = drag[a][k].plus_times(self.shear[a][k][l], shear[a][l]);
+                }
+                for l in k..D {
+                    stress[a][a] = stress[a][a].plus_times(self.coupling[a][k][l], axial[k][l]);
+                }
+            }
+            for b in 1..D {
+                stress[a][a] = stress[a][a].plus_times(self.across.normal[a][b], strain[b][b]);
+                if b > a {
+                    stress[a][b] = strain[a][b].times(two * self.across.shear[a][b]);
+                }
+            }
+        }
+        Station {
+            p,
+            c,
+            axial,
+            shear,
+            strain,
+            tension,
+            drag,
+            stress,
+        }
+    }
+}
+
+impl<T: Scalar, const D: usize> Station<T, D> {
+    #[inline(always)]
+    fn resultants<const K: usize>(&self) -> [[T; D]; K] {
+        let mut n = [[T::zero(); D]; K];
+        for k in 0..D {
+            let force = &mut n[first_column::<D>(k)];
+            for l in 0..D {
+                add_scaled(force, self.tension[k.min(l)][k.max(l)], &self.p[l]);
+            }
+            for a in 1..D {
+                add_scaled(force, self.drag[a][k], &self.c[a]);
+            }
+        }
+        for a in 1..D {
+            for b in 1..D {
+                add_scaled(&mut n[a], self.stress[a.min(b)][a.max(b)], &self.c[b]);
+            }
+            for k in 0..D {
+                add_scaled(&mut n[a], self.drag[a][k], &self.p[k]);
+            }
+        }
+        n
+    }
+}
+
+impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSection<R, D> {
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
+        let s = self.station(reference, h);
+        let mut twice = T::zero();
+        for k in 0..D {
+            for l in k..D {
+                twice = twice.plus_product(s.tension[k][l], s.axial[k][l]);
+            }
+            for a in 1..D {
+                twice = twice.plus_product(s.drag[a][k], s.shear[a][k]);
+            }
+        }
+        for a in 1..D {
+            twice = twice.plus_product(s.stress[a][a], s.strain[a][a]);
+            for b in a + 1..D {
+                let both = s.strain[a][b].times(R::lit(2.0));
+                twice = twice.plus_product(s.stress[a][b], both);
+            }
+        }
+        twice.times(R::lit(0.5))
+    }
+
+    #[inline(always)]
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+        self.station(reference, h).resultants()
+    }
+
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        let s = self.station(reference, h);
+        let (p, c) = (&s.p, &s.c);
+        let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
+        for i in 0..D {
+            for j in i..D {
+                // Symmetric blocks: products of the first column with itself, in all their pairs.
+                let mut pp = [[T::zero(); D]; D];
+                for m in 0..D {
+                    pp[m][m] = p[m][i] * p[m][j];
+                    for n in m + 1..D {
+                        pp[m][n] = (p[m][i] * p[n][j]).plus_product(p[n][i], p[m][j]);
+                    }
+                }
+                let cc: [T; D] = std::array::from_fn(|a| c[a][i] * c[a][j]);
+                for k in 0..D {
+                    for l in k..D {
+                        let mut sum = if i == j { s.tension[k][l] } else { T::zero() };
+                        for m in 0..D {
+                            for n in m..D {
+                                sum = sum.plus_times(self.axial[k][l][m][n], pp[m][n]);
+                            }
+                        }
+                        for a in 1..D {
+                            sum = sum.plus_times(self.shear[a][k][l], cc[a]);
+                        }
+                        let block = &mut stiffness[first_column::<D>(k)][first_column::<D>(l)];
+                        block[i][j] = sum;
+                        block[j][i] = sum;
+                    }
+                }
+                for a in 1..D {
+                    let mut sum = if i == j { s.stress[a][a] } else { T::zero() };
+                    for m in 0..D {
+                        for n in m..D {
+                            sum = sum.plus_times(self.shear[a][m][n], pp[m][n]);
+                        }
+                    }
+                    for b in 1..D {
+                        let modulus = match a == b {
+                            true => self.across.normal[a][a],
+                            false => self.across.shear[a][b],
+                        };
+                        sum = sum.plus_times(modulus, cc[b]);
+                    }
+                    stiffness[a][a][i][j] = sum;
+                    stiffness[a][a][j][i] = sum;
+                }
+            }
+        }
+        for a in 1..D {
+            for b in a + 1..D {
+                for i in 0..D {
+                    let row = &mut stiffness[a][b][i];
+                    row[i] = s.stress[a][b];
+                    add_scaled(row, c[a][i].times(self.across.normal[a][b]), &c[b]);
+                    add_scaled(row, c[b][i].times(self.across.shear[a][b]), &c[a]);
+                }
+            }
+            for k in 0..D {
+                let (mut sheared, mut coupled) = ([T::zero(); D], [T::zero(); D]);
+                for l in 0..D {
+                    add_times(&mut sheared, self.shear[a][k][l], &p[l]);
+                    add_times(&mut coupled, self.coupling[a][k][l], &p[l]);
+                }
+                for i in 0..D {
+                    for j in 0..D {
+                        let both = (c[a][i] * sheared[j]).plus_product(coupled[i], c[a][j]);
+                        // The column of k comes first in the pair with r' only.
+                        match k {
+                            0 => stiffness[0][a][i][j] = both,
+                            _ => stiffness[a][first_column::<D>(k)][j][i] = both,
+                        }
+                    }
+                }
+                for i in 0..D {
+                    match k {
+                        0 => stiffness[0][a][i][i] += s.drag[a][k],
+                        _ => stiffness[a][first_column::<D>(k)][i][i] += s.drag[a][k],
+                    }
+                }
+            }
+        }
+        (s.resultants(), stiffness)
+    }
+}
