@@ -13,4 +13,4 @@ pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
-pub use structure::Structure;
+pub use structure::{Secant, Structure};

@@ -249,10 +249,12 @@ impl<R: Real> Workspace<R> {
         self.factor.solve(&mut state.acceleration)
     }
 
-    /// Work of the applied forces over a step, by the trapezoidal rule.
+    /// Work of the applied forces over a step: their mean over `samples` (weight, time, state)
+    /// along the way from the state `now` to `next`.
     pub(crate) fn work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
+        samples: &[(R, R, &[R])],
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
@@ -260,9 +262,8 @@ impl<R: Real> Workspace<R> {
             return Ok(R::zero());
         }
         self.external.fill(R::zero());
-        for state in [now, next] {
-            let u = &state.displacement;
-            structure.add_applied(state.time, R::lit(0.5), u, &mut self.external)?;
+        for (weight, time, u) in samples {
+            structure.add_applied(*time, *weight, u, &mut self.external)?;
         }
         let moved = next.displacement.iter().zip(&now.displacement);
         let work = self.external.iter().zip(moved);
