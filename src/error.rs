@@ -180,6 +180,16 @@ pub enum Error {
         /// Shortest step allowed (s).
         shortest: f64,
     },
+    /// A step of an explicit method lies beyond its limit of stability.
+    #[error(
+        "the time step of {step:e} s lies beyond the stability limit of {limit:e} s: take Stepping::Stable, or an implicit method"
+    )]
+    Unstable {
+        /// Step asked for (s).
+        step: f64,
+        /// Longest stable step (s).
+        limit: f64,
+    },
     /// Something the library cannot do for this input.
     #[error("{what}: {remedy}")]
     Unsupported {

@@ -80,19 +80,20 @@ pub mod prelude {
         Across, BeamStiffness, Continuum, EulerBernoulli, Formulation, Layer, StructuralMechanics,
     };
     pub use crate::integrator::{
-        Adaptive, Estimator, Integration, Method, Newmark, RunReport, Scheme, Step, Stepping,
+        Adaptive, CentralDifference, Collocation, Crossing, EnergyMomentum, Estimator, Integration,
+        Method, Midpoint, Newmark, RunReport, Scheme, Step, Stepping,
     };
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{
-        Beam, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed, Scene, System,
+        Beam, Energies, Joint, Moment, MomentLaw, Momenta, Motion, Node, Placed, Scene, System,
     };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
         c_profile, i_profile, l_profile, t_profile,
     };
-    pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
+    pub use crate::solver::{Newton, Refresh, Secant, State, Statics, Structure};
 }
 
 /// The programs of the README, kept compiling.

@@ -2,7 +2,7 @@
 //! nalgebra's: its matrix products shortcut on zero real parts, which drops derivatives when the
 //! scalar is a dual number.
 
-use crate::scalar::{Algebra, Scalar};
+use crate::scalar::{Algebra, Field, Real, Scalar};
 
 /// `a . b`.
 #[inline(always)]
@@ -50,4 +50,23 @@ pub(crate) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
+}
+
+/// The place at a share of the straight way between two sets of vectors.
+#[inline(always)]
+pub(crate) fn between<R: Copy, T: Algebra<R>, const D: usize, const N: usize>(
+    from: &[[T; D]; N],
+    to: &[[T; D]; N],
+    share: R,
+) -> [[T; D]; N] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|c| from[i][c] + (to[i][c] - from[i][c]).times(share))
+    })
+}
+
+/// The two Gauss points of the interval from 0 to 1, of equal weight.
+#[inline(always)]
+pub(crate) fn gauss_pair<R: Real>() -> [R; 2] {
+    let (half, offset) = (R::lit(0.5), Field::recip(Field::sqrt(R::lit(12.0))));
+    [half - offset, half + offset]
 }

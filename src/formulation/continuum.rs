@@ -181,6 +181,24 @@ where
         }
     }
 
+    fn has_strain(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [[T; D]; K] {
+        match self {
+            Self::Moments(law) => law.secant(viscosity, reference, from, to),
+            Self::Points(law) => law.secant(viscosity, reference, from, to),
+        }
+    }
+
     #[inline(always)]
     fn stiffness<T: Algebra<R>>(
         &self,

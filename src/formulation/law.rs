@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 use crate::material::{Material, green_lagrange};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_times, cross, dot, sum};
+use crate::tensor::{add_times, between, cross, dot, gauss_pair, sum, times};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
 /// sampled vectors `a` and `b`. Only blocks with `a <= b` are used.
@@ -35,6 +35,27 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
         derived_resultants(self, reference, h)
     }
 
+    /// Whether [`secant`](Self::secant) is made of strains that rotations do not change, so that
+    /// it keeps angular momentum and may be viscous; by default it is not.
+    fn has_strain(&self) -> bool {
+        false
+    }
+
+    /// The mean of the resultants on the straight way of the sampled vectors, whose work is the
+    /// change of energy; by default by two Gauss points, exact for energies up to the fourth
+    /// degree. With a `viscosity`, and only for laws that have strain, the stress that this share
+    /// of the change of strain makes is added.
+    #[inline]
+    fn secant<T: Algebra<R>>(
+        &self,
+        _viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [[T; D]; K] {
+        path_mean(from, to, |h| self.resultants(reference, h))
+    }
+
     /// First and second derivatives of the energy by the sampled vectors.
     #[inline]
     fn stiffness<T: Algebra<R>>(
@@ -44,6 +65,23 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
         derived_stiffness(self, reference, h)
     }
+}
+
+/// Mean of `force` on the straight way between two sets of vectors, by two Gauss points.
+#[inline(always)]
+pub(super) fn path_mean<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
+    from: &[[T; D]; N],
+    to: &[[T; D]; N],
+    force: impl Fn(&[[T; D]; N]) -> [[T; D]; N],
+) -> [[T; D]; N] {
+    let mut mean = [[T::zero(); D]; N];
+    for share in gauss_pair::<R>() {
+        let part = force(&between(from, to, share));
+        for i in 0..N {
+            add_times(&mut mean[i], R::lit(0.5), &part[i]);
+        }
+    }
+    mean
 }
 
 #[inline(always)]
@@ -139,6 +177,30 @@ impl<R: Real, M, const D: usize> PointSection<R, M, D> {
     }
 }
 
+impl<R: Real, M, const D: usize> PointSection<R, M, D> {
+    /// Mean stress between two strains with the viscous part.
+    #[inline(always)]
+    fn secant_stress<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        before: &[[T; D]; D],
+        after: &[[T; D]; D],
+    ) -> [[T; D]; D]
+    where
+        M: Material<R, D>,
+    {
+        let mut stress = self.material.secant(before, after);
+        if !viscosity.is_zero() {
+            let (old, new) = (self.material.stress(before), self.material.stress(after));
+            for a in 0..D {
+                add_times(&mut stress[a], viscosity, &new[a]);
+                add_times(&mut stress[a], -viscosity, &old[a]);
+            }
+        }
+        stress
+    }
+}
+
 /// Columns of the gradient at a section point.
 #[inline(always)]
 fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
@@ -172,8 +234,9 @@ where
             energy += match self.straight {
                 true => self.material.energy(&strain).times(*w),
                 false => {
-                    let (strain, volume) = in_material_frame(&initial, &strain);
-                    self.material.energy(&strain).times(*w * volume)
+                    let (map, volume) = material_frame(&initial);
+                    let energy = self.material.energy(&turned(&map, &strain));
+                    energy.times(*w * volume)
                 }
             };
         }
@@ -195,7 +258,43 @@ where
         n
     }
 
-    #[inline]
+    fn has_strain(&self) -> bool {
+        true
+    }
+
+    /// The mean stress on the gradient half way (Simo and Tarnow 1992): its torque vanishes, as
+    /// that of the mean of the forces does not.
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [[T; D]; K] {
+        let middle = between(from, to, R::lit(0.5));
+        let mut n = [[T::zero(); D]; K];
+        for (y, w) in &self.points {
+            let initial = columns(reference, y);
+            let strain = |h| green_lagrange(&initial, &columns(h, y));
+            let (before, after) = (strain(from), strain(to));
+            let stress = match self.straight {
+                true => self.secant_stress(viscosity, &before, &after),
+                false => {
+                    let (map, volume) = material_frame(&initial);
+                    let (before, after) = (turned(&map, &before), turned(&map, &after));
+                    let stress = self.secant_stress(viscosity, &before, &after);
+                    let back = std::array::from_fn(|k| std::array::from_fn(|a| map[a][k]));
+                    turned(&back, &stress).map(|row| times(volume, &row))
+                }
+            };
+            let c = total(&initial, &columns(&middle, y));
+            add_resultants(&mut n, y, *w, &stress, &c);
+        }
+        n
+    }
+
+    #[inline(always)]
     fn stiffness<T: Algebra<R>>(
         &self,
         reference: &[[R; D]; K],
@@ -226,14 +325,11 @@ where
     }
 }
 
-/// The strain by reference coordinates turned to the strain by the orthonormal material frame,
-/// and the reference volume per volume of coordinates. The frame has its axes 1 and 2 in the
-/// section, the first of them along the first cross slope.
+/// The map from strain by reference coordinates to strain by the orthonormal material frame, for
+/// [`turned`], and the reference volume per volume of coordinates. The frame has its axes 1 and 2
+/// in the section, the first of them along the first cross slope.
 #[inline(always)]
-fn in_material_frame<R: Real, T: Algebra<R>, const D: usize>(
-    initial: &[[R; D]; D],
-    strain: &[[T; D]; D],
-) -> ([[T; D]; D], R) {
+fn material_frame<R: Real, const D: usize>(initial: &[[R; D]; D]) -> ([[R; D]; D], R) {
     // A planar gradient is one in space with the normal for its third column.
     let c: [[R; 3]; 3] = std::array::from_fn(|a| {
         std::array::from_fn(|i| match (a < D, i < D) {
@@ -251,23 +347,31 @@ fn in_material_frame<R: Real, T: Algebra<R>, const D: usize>(
     let (normal, first) = (unit(area), unit(c[1]));
     let frame = [normal, first, cross(&normal, &first)];
     // Frame axes by the reciprocal vectors of the columns.
-    let map: [[R; D]; D] = std::array::from_fn(|a| {
+    let map = std::array::from_fn(|a| {
         std::array::from_fn(|k| {
             let reciprocal = cross(&c[(k + 1) % 3], &c[(k + 2) % 3]);
             dot(&frame[a], &reciprocal) / volume
         })
     });
+    (map, volume)
+}
+
+/// The tensor by the axes of another frame: `map tensor map^T`.
+#[inline(always)]
+fn turned<R: Real, T: Algebra<R>, const D: usize>(
+    map: &[[R; D]; D],
+    tensor: &[[T; D]; D],
+) -> [[T; D]; D] {
     let half: [[T; D]; D] = std::array::from_fn(|a| {
         let mut row = [T::zero(); D];
         for k in 0..D {
-            add_times(&mut row, map[a][k], &strain[k]);
+            add_times(&mut row, map[a][k], &tensor[k]);
         }
         row
     });
-    let turned = std::array::from_fn(|a| {
+    std::array::from_fn(|a| {
         std::array::from_fn(|b| (0..D).fold(T::zero(), |s, k| s + half[a][k].times(map[b][k])))
-    });
-    (turned, volume)
+    })
 }
 
 /// Columns of the deformation gradient.

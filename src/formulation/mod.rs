@@ -28,6 +28,7 @@ use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
 use crate::section::Section;
+use crate::tensor::sum;
 
 /// Tangent of one element: `k[i][c][j][d]` is the derivative of component `c` of the force on
 /// nodal vector `i` by component `d` of nodal vector `j`; flattened, a row-major matrix in the
@@ -121,6 +122,56 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
             for c in 0..D {
                 q[j][c] += T::real_part::<D>(&dual[j][c]);
                 for i in 0..S {
+                    for d in 0..D {
+                        k[i][c][j][d] += T::derivative::<D>(&dual[i][c], d);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether [`secant`](Self::secant) is made of strains that rotations do not change, so that
+    /// it keeps angular momentum and may be viscous; by default it is not.
+    fn has_strain(&self) -> bool {
+        false
+    }
+
+    /// Adds the secant force of a step, whose work on the straight way `to - from` is the change
+    /// of strain energy; by default the mean of the force by two Gauss points, exact for energies
+    /// up to the fourth degree. With a `viscosity`, and only for kernels that have strain, adds
+    /// `B^T C (E(to) - E(from))` times it, `B` the derivative of the strain half way: a Kelvin-Voigt
+    /// stress with this share of the step as its retardation time.
+    fn secant<T: Algebra<R>>(
+        &self,
+        _viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        let mean = law::path_mean(from, to, |u| {
+            let mut force = [[T::zero(); D]; S];
+            self.force(u, &mut force);
+            force
+        });
+        for i in 0..S {
+            q[i] = sum(&q[i], &mean[i]);
+        }
+    }
+
+    /// Adds the derivative of the secant force by `to`, which is not symmetric.
+    fn secant_tangent<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        let from = from.map(|vector| vector.map(|x| x.constant::<D>()));
+        for j in 0..S {
+            let mut dual = [[T::zero().constant::<D>(); D]; S];
+            self.secant(viscosity, &from, &law::varied(to, j), &mut dual);
+            for i in 0..S {
+                for c in 0..D {
                     for d in 0..D {
                         k[i][c][j][d] += T::derivative::<D>(&dual[i][c], d);
                     }

@@ -6,7 +6,7 @@
 use super::law::{SectionLaw, SectionStiffness, first_column};
 use crate::material::{Moduli, green_lagrange};
 use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{add_scaled, add_times, dot};
+use crate::tensor::{add_scaled, add_times, between, dot};
 
 /// Constant moduli contracted with the moments `sum_p w_p phi_k phi_l ..` of a rule over the
 /// factors `phi = (1, y[, z])` of the first gradient column.
@@ -225,6 +225,35 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSect
     #[inline(always)]
     fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
         self.station(reference, h).resultants()
+    }
+
+    fn has_strain(&self) -> bool {
+        true
+    }
+
+    /// The mean stress on the gradient half way, as at section points.
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [[T; D]; K] {
+        let half = R::lit(0.5);
+        let (old, new) = (self.station(reference, from), self.station(reference, to));
+        let mean = |old: &[[T; D]; D], new: &[[T; D]; D]| {
+            std::array::from_fn(|a| {
+                std::array::from_fn(|b| {
+                    old[a][b].times(half - viscosity) + new[a][b].times(half + viscosity)
+                })
+            })
+        };
+        let mut s = self.station(reference, &between(from, to, half));
+        s.tension = mean(&old.tension, &new.tension);
+        s.drag = mean(&old.drag, &new.drag);
+        s.stress = mean(&old.stress, &new.stress);
+        s.resultants()
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@
 
 use num_dual::HyperDual;
 
-use super::law::{SectionLaw, SectionStiffness};
+use super::law::{SectionLaw, SectionStiffness, varied};
 use super::{ElementKernel, Reference, Tangent};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -113,6 +113,29 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
             }
         }
     }
+
+    /// Adds what the sampled vectors `n`, derivatives along the components of sampled vector `l`,
+    /// contribute to a tangent that need not be symmetric.
+    #[inline(always)]
+    fn scatter_derivatives<T: Algebra<R>>(
+        &self,
+        l: usize,
+        n: &[[T::Dual<D>; D]; K],
+        tangent: &mut Tangent<T, D, S>,
+    ) {
+        for k in 0..K {
+            let block: [[T; D]; D] = std::array::from_fn(|c| {
+                std::array::from_fn(|d| T::derivative::<D>(&n[k][c], d).times(self.weight))
+            });
+            for (i, left) in self.rows[k].iter() {
+                for (j, right) in self.rows[l].iter() {
+                    for c in 0..D {
+                        add_times(&mut tangent[i][c][j], left * right, &block[c]);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Kernel of an element whose energy is a sum of laws, each sampled at stations of its own.
@@ -207,6 +230,48 @@ where
                 let (n, stiffness) = law.stiffness(&station.reference, &station.sample(u));
                 station.scatter_force(&n, q);
                 station.scatter_stiffness(&stiffness, k);
+            }
+        }
+    }
+
+    fn has_strain(&self) -> bool {
+        self.parts.iter().all(|(law, _)| law.has_strain())
+    }
+
+    #[inline]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        for (law, stations) in &self.parts {
+            for station in stations {
+                let (from, to) = (station.sample(from), station.sample(to));
+                let n = law.secant(viscosity, &station.reference, &from, &to);
+                station.scatter_force(&n, q);
+            }
+        }
+    }
+
+    #[inline]
+    fn secant_tangent<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        for (law, stations) in &self.parts {
+            for station in stations {
+                let from = station.sample(from).map(|h| h.map(|x| x.constant::<D>()));
+                let to = station.sample(to);
+                for l in 0..K {
+                    let to = varied(&to, l);
+                    let n = law.secant(viscosity, &station.reference, &from, &to);
+                    station.scatter_derivatives(l, &n, k);
+                }
             }
         }
     }

@@ -1,6 +1,8 @@
-//! The driver of all integrators: fixed steps, or steps chosen so that the local error stays at a
-//! tolerance. Observers see every accepted step and cannot change it.
+//! The driver of all integrators: fixed steps, halved where they fail, steps below the stability
+//! limit, or steps chosen so that the local error stays at a tolerance. Observers see every
+//! accepted step and cannot change it; an event ends the run where it happens.
 
+use super::event::{Crossing, Event, Never, Watch, locate};
 use super::{Method, Scheme};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
@@ -11,16 +13,31 @@ use crate::solver::{State, Structure};
 pub enum Stepping {
     /// Equal steps of this many seconds; a step that fails ends the run.
     Fixed(f64),
+    /// Equal steps (s); one that fails is made of two halves, and each of these again, up to
+    /// `halvings` times.
+    Halved {
+        /// Step (s).
+        step: f64,
+        /// How often a step may be halved.
+        halvings: u32,
+    },
+    /// Steps of this share of the longest stable one, for explicit methods.
+    Stable(f64),
     /// Steps by local error control.
     Adaptive(Adaptive),
 }
 
-/// Error-controlled stepping: a step is accepted when its relative local error is below the
-/// tolerance, and the next is `safety * dt * (tolerance / error)^(1/3)` (the paper's procedure).
+/// Error-controlled stepping: a step is accepted when its relative local error `e` is below the
+/// tolerance, and the next is `safety dt (tolerance / e)^(i/k) (e_before / e)^(p/k)` with the power
+/// `k` of the step that the error follows, an integral and a proportional gain (Gustafsson 1991).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
-    /// Relative local error allowed.
+    /// Relative local error allowed: in a step, or in a second if [`per_second`](Self::per_second)
+    /// is set.
     pub tolerance: f64,
+    /// Whether the tolerance is for the sum of the errors of the steps of one second, not for each
+    /// step: the error at a given time is then proportional to the tolerance.
+    pub per_second: bool,
     /// First step (s).
     pub first: f64,
     /// Longest step (s).
@@ -29,6 +46,9 @@ pub struct Adaptive {
     pub shortest: f64,
     /// Factor applied to the step that would just meet the tolerance.
     pub safety: f64,
+    /// Integral and proportional gain. Without the second (the paper's procedure) steps follow the
+    /// error at once, with it they follow smoothly and fewer are rejected.
+    pub gains: [f64; 2],
     /// Displacements, as a share of the size of the structure, below which the error is measured
     /// against this share and no longer against the motion: motions far smaller than it are not
     /// resolved. The motion is the largest so far.
@@ -36,16 +56,31 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// Error control to `tolerance` with usual limits: first step 10 us, steps between 1 ns and
-    /// 0.1 s, least motion a millionth of the structure.
+    /// Error control to `tolerance` per step, the procedure of the paper
+    /// (`0.8 dt (tolerance / error)^(1/3)`), with usual limits: first step 10 us, steps between
+    /// 1 ns and 0.1 s, least motion a millionth of the structure.
     pub fn to(tolerance: f64) -> Self {
         Self {
             tolerance,
+            per_second: false,
             first: 1e-5,
             longest: 0.1,
             shortest: 1e-9,
             safety: 0.8,
+            gains: [1.0, 0.0],
             least_motion: 1e-6,
+        }
+    }
+
+    /// Error control to `tolerance` per second by proportional and integral gains: the error at a
+    /// given time is proportional to the tolerance, by the factor to which the motion lets errors
+    /// grow.
+    pub fn per_second(tolerance: f64) -> Self {
+        Self {
+            per_second: true,
+            safety: 0.9,
+            gains: [0.3, 0.4],
+            ..Self::to(tolerance)
         }
     }
 }
@@ -74,6 +109,8 @@ pub struct Step<'a, R> {
     pub before: &'a State<R>,
     /// State at its end.
     pub after: &'a State<R>,
+    /// Order of the method, which that of the interpolation follows.
+    pub(super) order: i32,
 }
 
 impl<R: Real> Step<'_, R> {
@@ -82,8 +119,9 @@ impl<R: Real> Step<'_, R> {
         time > self.before.time && time <= self.after.time
     }
 
-    /// Displacement of coordinate `i` at a time (s) within the step, by cubic Hermite
-    /// interpolation.
+    /// Displacement of coordinate `i` at a time (s) within the step, by Hermite interpolation: cubic
+    /// from displacements and velocities (error of the fourth order in the step), quintic from
+    /// accelerations, too (sixth order), where the method is of the fifth order or more.
     ///
     /// # Errors
     /// [`Error::NoSuchCoordinate`] when the structure has no coordinate `i`.
@@ -92,14 +130,25 @@ impl<R: Real> Step<'_, R> {
         if i >= size {
             return Err(Error::NoSuchCoordinate { index: i, size });
         }
-        let step = self.after.time - self.before.time;
-        let x = (time - self.before.time) / step;
+        let (before, after) = (self.before, self.after);
+        let step = after.time - before.time;
+        let x = (time - before.time) / step;
         let y = R::one() - x;
         let (two, three) = (R::lit(2.0), R::lit(3.0));
-        let (u0, u1) = (self.before.displacement[i], self.after.displacement[i]);
-        let (v0, v1) = (self.before.velocity[i], self.after.velocity[i]);
-        let change = x * x * (three - two * x) * (u1 - u0);
-        Ok(u0 + change + step * x * y * (y * v0 - x * v1))
+        let (u0, u1) = (before.displacement[i], after.displacement[i]);
+        let (v0, v1) = (before.velocity[i], after.velocity[i]);
+        let cubic = x * x * (three - two * x) * (u1 - u0) + step * x * y * (y * v0 - x * v1);
+        if self.order < 5 {
+            return Ok(u0 + cubic);
+        }
+        // What the cubic misses of the accelerations at both ends.
+        let six = R::lit(6.0);
+        let mean = (u1 - u0) / step;
+        let a0 = (six * mean - R::lit(4.0) * v0 - two * v1) / step;
+        let a1 = (two * v0 + R::lit(4.0) * v1 - six * mean) / step;
+        let missed = y * (before.acceleration[i] - a0) + x * (after.acceleration[i] - a1);
+        let bubble = x * x * y * y * step * step * R::lit(0.5);
+        Ok(u0 + cubic + bubble * missed)
     }
 }
 
@@ -155,6 +204,8 @@ pub struct Integration<'a, R: Real, S, M> {
     report: RunReport,
     /// Step the error control would take next (s).
     proposed: Option<R>,
+    /// Error of the last step accepted over the one allowed.
+    error: f64,
     /// Largest size of the motion so far.
     motion: R,
     /// Whether the last attempt ended at the rounding floor.
@@ -180,6 +231,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             state,
             report: RunReport::default(),
             proposed: None,
+            error: 1.0,
             motion: R::zero(),
             floored: false,
         })
@@ -223,8 +275,61 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         &mut self,
         end: R,
         stepping: Stepping,
-        mut observe: impl FnMut(Step<'_, R>) -> O,
+        observe: impl FnMut(Step<'_, R>) -> O,
     ) -> Result<()> {
+        self.drive(end, stepping, &mut Never, observe)?;
+        Ok(())
+    }
+
+    /// Runs until `function` of the state crosses zero, but no longer than to `end` seconds, and
+    /// says whether it did. The run then stands just behind the crossing, at a state that the
+    /// method has stepped to, and can go on from there.
+    ///
+    /// A function that crosses zero twice within one step is not seen to cross.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// # let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
+    /// # let mut scene = Scene::<f64, 2>::new();
+    /// # let beam = scene.add(
+    /// #     Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber))
+    /// #         .straight([0.0, 0.0], [1.0, 0.0], 4)
+    /// #         .density(7200.0),
+    /// # )?;
+    /// # scene.pin(beam.start())?;
+    /// # scene.gravity([0.0, -9.81])?;
+    /// # let system = scene.assemble()?;
+    /// // When does the tip of a falling pendulum pass a wall at x = 0.9 m?
+    /// let tip = system.coordinate(beam.end(), NodalVector::Position)?;
+    /// let beyond = |state: &State<f64>| 1.0 + state.displacement[tip] - 0.9;
+    /// let mut run = Integration::start(&system, system.rest(), &Newmark::trapezoidal())?;
+    /// let met = run.until_event(1.0, Stepping::Fixed(1e-3), Crossing::Falling, beyond, |_| {})?;
+    /// assert!(met && beyond(run.state()).abs() < 1e-12);
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`until`](Self::until).
+    pub fn until_event<O: Observation>(
+        &mut self,
+        end: R,
+        stepping: Stepping,
+        crossing: Crossing,
+        function: impl FnMut(&State<R>) -> R,
+        observe: impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<bool> {
+        self.drive(end, stepping, &mut Event::new(crossing, function), observe)
+    }
+
+    /// Runs to the end or to the event, and says whether it was the event.
+    fn drive<O: Observation>(
+        &mut self,
+        end: R,
+        stepping: Stepping,
+        watch: &mut impl Watch<R>,
+        mut observe: impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<bool> {
         finite("end of the run [s]", end)?;
         if end < self.state.time {
             return Err(Error::OutOfRange {
@@ -234,75 +339,158 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 remedy: "give a later end, or start again from an earlier state",
             });
         }
-        match stepping {
-            Stepping::Fixed(step) => {
-                self.fixed(end, R::lit(positive("time step [s]", step)?), &mut observe)
+        let (step, halvings) = match stepping {
+            Stepping::Fixed(step) => (step, 0),
+            Stepping::Halved { step, halvings } => (step, halvings),
+            Stepping::Stable(share) => return self.stable(end, share, watch, &mut observe),
+            Stepping::Adaptive(control) => {
+                return self.adaptive(end, &control, watch, &mut observe);
             }
-            Stepping::Adaptive(control) => self.adaptive(end, &control, &mut observe),
-        }
-    }
-
-    fn fixed<O: Observation>(
-        &mut self,
-        end: R,
-        step: R,
-        observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<()> {
+        };
+        let step = R::lit(positive("time step [s]", step)?);
         // Whole steps are counted, not summed, so that rounding adds no sliver at the end.
         let start = self.state.time;
         let count = ((end - start) / step).value();
         let whole = (count + 1e-6).floor();
         for n in 1..=whole as u64 {
-            self.step(step)?;
-            self.state.time = start + step * R::lit(n as f64);
-            observe(self.last()).result()?;
+            let time = start + step * R::lit(n as f64);
+            if self.whole(step, time, halvings, watch, &mut observe)? {
+                return Ok(true);
+            }
         }
         let rest = end - self.state.time;
         if rest > step * R::lit(1e-6) {
-            self.step(rest)?;
-            self.state.time = end;
-            observe(self.last()).result()?;
+            return self.whole(rest, end, halvings, watch, &mut observe);
         }
-        Ok(())
+        Ok(false)
+    }
+
+    /// One step that ends at `time`, in halves where it fails.
+    fn whole<O: Observation>(
+        &mut self,
+        step: R,
+        time: R,
+        halvings: u32,
+        watch: &mut impl Watch<R>,
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<bool> {
+        match self.attempt(step) {
+            Ok(()) => self.take(step, Some(time), watch, observe),
+            Err(cause @ Error::LoadNotFinite { .. }) => Err(self.failed(step, cause)),
+            Err(cause) if halvings == 0 => Err(self.failed(step, cause)),
+            Err(_) => {
+                self.report.failed += 1;
+                let half = step * R::lit(0.5);
+                let middle = time - half;
+                Ok(self.whole(half, middle, halvings - 1, watch, observe)?
+                    || self.whole(half, time, halvings - 1, watch, observe)?)
+            }
+        }
+    }
+
+    /// Takes the step just tried, which ends at `time` if that is known better than by summing, or
+    /// the part of it up to an event, and says whether there was one.
+    fn take<O: Observation>(
+        &mut self,
+        step: R,
+        time: Option<R>,
+        watch: &mut impl Watch<R>,
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<bool> {
+        let met = watch.meets(&self.state, &self.next);
+        if let Some(distances) = met {
+            let least = self.next.time.abs() * R::lit(4.0 * R::EPSILON);
+            locate([R::zero(), step], distances, least, |part| {
+                self.attempt(part)
+                    .map_err(|cause| self.failed(part, cause))?;
+                Ok(watch.distance(&self.next))
+            })?;
+        } else if let Some(time) = time {
+            self.next.time = time;
+        }
+        self.accept();
+        observe(self.last()).result()?;
+        Ok(met.is_some())
+    }
+
+    fn stable<O: Observation>(
+        &mut self,
+        end: R,
+        share: f64,
+        watch: &mut impl Watch<R>,
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<bool> {
+        let share = R::lit(positive("share of the longest stable step", share)?);
+        while let Some(left) = self.left(end) {
+            let Some(limit) = self.method.stable_step(self.structure, &self.state)? else {
+                return Err(Error::Unsupported {
+                    what: "steps by stability with a method that is stable at any step".into(),
+                    remedy: "use Stepping::Fixed or Stepping::Adaptive",
+                });
+            };
+            let step = even(left, share * limit);
+            let time = (step == left).then_some(end);
+            if self.whole(
+                step,
+                time.unwrap_or(self.state.time + step),
+                0,
+                watch,
+                observe,
+            )? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Time left to `end`; what rounding of the time leaves is no step.
+    fn left(&mut self, end: R) -> Option<R> {
+        let left = end - self.state.time;
+        if left <= end.abs().larger(self.state.time.abs()) * R::lit(4.0 * R::EPSILON) {
+            self.state.time = end;
+            return None;
+        }
+        Some(left)
     }
 
     fn adaptive<O: Observation>(
         &mut self,
         end: R,
         control: &Adaptive,
+        watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         for (what, value) in [
             ("tolerance of the local error", control.tolerance),
             ("first time step [s]", control.first),
             ("longest time step [s]", control.longest),
             ("shortest time step [s]", control.shortest),
             ("safety factor of the step control", control.safety),
+            ("integral gain of the step control", control.gains[0]),
             ("least motion of the error control", control.least_motion),
         ] {
             positive(what, value)?;
         }
+        if !(0.0..=1.0).contains(&control.gains[1]) {
+            return Err(Error::OutOfRange {
+                what: "proportional gain of the step control",
+                value: control.gains[1],
+                range: "0 to 1",
+                remedy: "use Adaptive::to (none) or Adaptive::per_second (0.4)",
+            });
+        }
         let mut step = self.proposed.unwrap_or(R::lit(control.first));
-        loop {
-            let left = end - self.state.time;
-            // What rounding of the time leaves is no step.
-            if left <= end.abs().larger(self.state.time.abs()) * R::lit(4.0 * R::EPSILON) {
-                self.state.time = end;
-                return Ok(());
-            }
+        while let Some(left) = self.left(end) {
             step = step.smaller(R::lit(control.longest));
-            // Two even steps rather than one and a sliver.
-            let trial = match left {
-                left if left <= step => left,
-                left if left < step * R::lit(2.0) => left * R::lit(0.5),
-                _ => step,
-            };
+            if let Some(limit) = self.method.stable_step(self.structure, &self.state)? {
+                step = step.smaller(limit * R::lit(0.9));
+            }
+            let trial = even(left, step);
             let (factor, refused) = match self.attempt(trial) {
                 Ok(()) => {
-                    let (accepted, factor) = self.judge(control);
-                    if accepted {
-                        self.accept();
-                        observe(self.last()).result()?;
+                    let (accepted, factor) = self.judge(control, trial);
+                    if accepted && self.take(trial, None, watch, observe)? {
+                        return Ok(true);
                     }
                     (factor, (!accepted).then_some(None))
                 }
@@ -329,24 +517,35 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 return Err(self.failed(trial, cause));
             }
         }
+        Ok(false)
     }
 
     /// Whether the step just tried meets the tolerance, and the factor for the next.
-    fn judge(&mut self, control: &Adaptive) -> (bool, f64) {
+    fn judge(&mut self, control: &Adaptive, step: R) -> (bool, f64) {
         let (error, size) = self.method.error(self.structure, &self.state, &self.next);
         let size = self.motion.larger(size);
-        let error = (error / size.larger(R::lit(control.least_motion))).value();
+        let mut error = (error / size.larger(R::lit(control.least_motion))).value();
+        let mut order = self.method.error_order();
+        if control.per_second {
+            error /= step.value();
+            order -= 1;
+        }
         if !error.is_finite() {
             self.report.failed += 1;
             return (false, 0.25);
         }
-        let ratio = (control.tolerance / error).min(1e6);
-        let factor = control.safety * ratio.powf(1.0 / f64::from(M::ERROR_ORDER));
+        // No error at all lets the step grow a hundredfold at most.
+        let share = (error / control.tolerance).max(1e-6);
+        let [integral, proportional] = control.gains.map(|gain| gain / f64::from(order.max(1)));
+        let trend = (self.error / share).powf(proportional);
+        let factor = control.safety * share.powf(-integral) * trend;
         if error <= control.tolerance {
             self.motion = size;
+            self.error = share;
             (true, factor.clamp(0.3, 2.0))
         } else {
             self.report.rejected += 1;
+            let factor = control.safety * share.powf(-1.0 / f64::from(order.max(1)));
             (false, factor.clamp(0.1, 0.9))
         }
     }
@@ -374,6 +573,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         Step {
             before: &self.next,
             after: &self.state,
+            order: self.method.order(),
         }
     }
 
@@ -383,5 +583,14 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             step: step.value(),
             cause: Box::new(cause),
         }
+    }
+}
+
+/// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
+fn even<R: Real>(left: R, step: R) -> R {
+    match left {
+        left if left <= step => left,
+        left if left < step * R::lit(2.0) => left * R::lit(0.5),
+        _ => step,
     }
 }

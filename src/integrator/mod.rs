@@ -1,16 +1,37 @@
 //! Time integration: one file per method behind [`Method`], and one driver for all of them with
-//! fixed or error-controlled steps. A step allocates nothing; a failed or rejected step leaves the
-//! last good state untouched.
+//! fixed, error-controlled or stability-bound steps and with events. A step allocates nothing; a
+//! failed or rejected step leaves the last good state untouched.
+//!
+//! | scheme | order | what it is for |
+//! |---|---|---|
+//! | [`Newmark::trapezoidal`] | 2 | the paper's runs; no dissipation, and no bound on the energy of long stiff runs |
+//! | [`Newmark::hht`], [`Newmark::generalised_alpha`] | 2 | dissipation of what the step does not resolve, tuned by one parameter |
+//! | [`Midpoint`] | 2 | symplectic; momenta kept |
+//! | [`EnergyMomentum`] | 2 | long runs: energy and momenta kept to rounding, or the energy let down at will |
+//! | [`Collocation::gauss`], [`Collocation::radau`] | 3 to 6 | accuracy; Radau's dissipates what it does not resolve |
+//! | [`CentralDifference`] | 2 | explicit: impacts and waves, steps below the stability limit |
 
+mod collocation;
 mod driver;
+mod energy_momentum;
+
+mod event;
+mod explicit;
+mod midpoint;
 mod newmark;
 
+pub use collocation::{Collocation, CollocationMethod};
 pub use driver::{Adaptive, Integration, Observation, RunReport, Step, Stepping};
+pub use energy_momentum::{EnergyMomentum, EnergyMomentumMethod};
+
+pub use event::Crossing;
+pub use explicit::{CentralDifference, CentralDifferenceMethod};
+pub use midpoint::{Midpoint, MidpointMethod};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Solved, State, Structure};
+use crate::solver::{Rate, Solved, State, Structure, Workspace, norm};
 
 /// A time integration scheme: settings from which a run makes the [`Method`] at work.
 pub trait Scheme<R: Real> {
@@ -27,7 +48,28 @@ pub trait Scheme<R: Real> {
 /// A one-step method at work, with whatever workspace and history it keeps.
 pub trait Method<R: Real> {
     /// Power of the step with which [`error`](Self::error) shrinks.
-    const ERROR_ORDER: i32;
+    fn error_order(&self) -> i32 {
+        3
+    }
+
+    /// Order of accuracy: the power of the step with which the error at a given time shrinks.
+    /// From the fifth on, observers see inside a step by quintic interpolation, which takes
+    /// accelerations, and below by cubic.
+    fn order(&self) -> i32 {
+        2
+    }
+
+    /// Longest stable step (s) at a state; none for methods that are stable at any.
+    ///
+    /// # Errors
+    /// When it cannot be found.
+    fn stable_step<S: Structure<R>>(
+        &mut self,
+        _structure: &S,
+        _now: &State<R>,
+    ) -> Result<Option<R>> {
+        Ok(None)
+    }
 
     /// Makes `next` from `now`, `step` seconds later.
     ///
@@ -47,4 +89,59 @@ pub trait Method<R: Real> {
 
     /// Tells the method that the step was taken: history moves on.
     fn accept(&mut self, now: &State<R>, next: &State<R>);
+}
+
+/// What every scheme does at the start: refuses a structure without mass and a state that does not
+/// fit, holds the supports, and makes the acceleration consistent.
+fn prepare<R: Real, S: Structure<R>>(structure: &S, state: &mut State<R>) -> Result<Workspace<R>> {
+    if !structure.has_mass() {
+        return Err(Error::Unsupported {
+            what: "dynamics of a structure without mass".into(),
+            remedy: "give the beams a density with Beam::density, or solve statics",
+        });
+    }
+    state.check(structure.unknowns().coordinates())?;
+    let time = state.time;
+    structure.impose(time, Rate::Displacement, &mut state.displacement)?;
+    structure.impose(time, Rate::Velocity, &mut state.velocity)?;
+    let mut workspace = Workspace::new(structure);
+    workspace.accelerate(structure, state)?;
+    Ok(workspace)
+}
+
+/// Makes a guessed mean acceleration over a step that which brings the coordinates that are not
+/// solved for to the velocity they must have at its end.
+fn impose_mean<R: Real, S: Structure<R>>(
+    structure: &S,
+    (now, end): (&State<R>, R),
+    mean: &mut [R],
+    scratch: &mut [R],
+) -> Result<()> {
+    let step = end - now.time;
+    for i in 0..mean.len() {
+        scratch[i] = now.velocity[i] + step * mean[i];
+    }
+    structure.impose(end, Rate::Velocity, scratch)?;
+    for i in 0..mean.len() {
+        // Nothing but what had to change, so that rounding is not divided by the step.
+        let change = scratch[i] - (now.velocity[i] + step * mean[i]);
+        if !change.is_zero() {
+            mean[i] += change / step;
+        }
+    }
+    Ok(())
+}
+
+/// Root-mean-squares, over the coordinates in their natural sizes, of a local error and of the
+/// displacements.
+fn mean_squares<R: Real>(measure: &[R], u: &[R], local: impl Fn(usize) -> R) -> (R, R) {
+    let (mut error, mut size) = (R::zero(), R::zero());
+    for i in 0..measure.len() {
+        let local = local(i) / measure[i];
+        error += local * local;
+        let moved = u[i] / measure[i];
+        size += moved * moved;
+    }
+    let mean = |square: R| norm(square / R::lit(measure.len() as f64));
+    (mean(error), mean(size))
 }

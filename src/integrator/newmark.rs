@@ -1,10 +1,12 @@
-//! Newmark's method, the integrator of the paper, with the two local error estimators that its
-//! adaptive step can be controlled by.
+//! Newmark's method, the integrator of the paper, and the family it grew into: the methods of
+//! Hilber, Hughes and Taylor and of Chung and Hulbert differ from it by two weights, so all are one
+//! implementation. Their accelerations are kept in the form of Arnold and Bruels (2007), in which
+//! equilibrium holds at the end of the step and the weights act on an auxiliary acceleration.
 
-use super::{Method, Scheme};
+use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace, norm};
+use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,14 +19,31 @@ pub enum Estimator {
     ZienkiewiczXie,
 }
 
-/// Newmark's family: `u_{n+1} = u + dt v + dt^2 ((1/2 - beta) a + beta a_{n+1})`,
-/// `v_{n+1} = v + dt ((1 - gamma) a + gamma a_{n+1})`, equilibrium at the end of the step.
+/// The family of generalised-alpha methods: `u_{n+1} = u + dt v + dt^2 ((1/2 - beta) w + beta
+/// w_{n+1})` and `v_{n+1} = v + dt ((1 - gamma) w + gamma w_{n+1})` with
+/// `(1 - alpha_m) w_{n+1} + alpha_m w = (1 - alpha_f) a_{n+1} + alpha_f a`, where `a` is the
+/// acceleration of equilibrium (Chung and Hulbert 1993, in the form of Arnold and Bruels 2007). With
+/// both weights zero this is Newmark's method, with `alpha_m` zero that of Hilber, Hughes and
+/// Taylor (1977).
+///
+/// ```
+/// use ancf::prelude::*;
+///
+/// // No dissipation where the step resolves the motion, a factor 0.8 per step where it does not.
+/// let method = Newmark::generalised_alpha(0.8);
+/// assert!((method.alpha_f - 4.0 / 9.0).abs() < 1e-15);
+/// assert_eq!(Newmark::hht(0.0), Newmark::trapezoidal());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newmark {
     /// Weight of the new acceleration in the displacement.
     pub beta: f64,
     /// Weight of the new acceleration in the velocity.
     pub gamma: f64,
+    /// Weight of the old acceleration in the balance of inertia.
+    pub alpha_m: f64,
+    /// Weight of the old forces in the balance.
+    pub alpha_f: f64,
     /// Newton's method within a step.
     pub newton: Newton,
     /// Local error estimator of the adaptive step.
@@ -41,9 +60,33 @@ impl Newmark {
     /// Constant average acceleration, the trapezoidal rule: `beta = 1/4`, `gamma = 1/2`; second
     /// order, no numerical damping.
     pub fn trapezoidal() -> Self {
+        Self::weighted(0.0, 0.0)
+    }
+
+    /// The method of Hilber, Hughes and Taylor with their `-alpha`, from 0 (the trapezoidal rule)
+    /// to 1/3 (most dissipation): second order.
+    pub fn hht(alpha: f64) -> Self {
+        Self::weighted(0.0, alpha)
+    }
+
+    /// The method of Chung and Hulbert that multiplies motions far above the step's resolution by
+    /// `radius` per step, from 0 (they vanish) to 1 (no dissipation), and dissipates least below:
+    /// second order.
+    pub fn generalised_alpha(radius: f64) -> Self {
+        Self::weighted(
+            (2.0 * radius - 1.0) / (radius + 1.0),
+            radius / (radius + 1.0),
+        )
+    }
+
+    /// The member of second order with these weights that dissipates most at high frequencies.
+    fn weighted(alpha_m: f64, alpha_f: f64) -> Self {
+        let lag = alpha_f - alpha_m;
         Self {
-            beta: 0.25,
-            gamma: 0.5,
+            beta: 0.25 * (1.0 + lag) * (1.0 + lag),
+            gamma: 0.5 + lag,
+            alpha_m,
+            alpha_f,
             newton: Newton::default(),
             estimator: Estimator::default(),
         }
@@ -71,39 +114,42 @@ impl<R: Real> Scheme<R> for Newmark {
         state: &mut State<R>,
     ) -> Result<NewmarkMethod<R>> {
         self.newton.check()?;
-        for (what, value, least) in [
-            ("Newmark's beta", self.beta, 0.0),
-            ("Newmark's gamma", self.gamma, 0.5),
+        for (what, value, least, most) in [
+            ("Newmark's beta", self.beta, f64::MIN_POSITIVE, 1.0),
+            ("Newmark's gamma", self.gamma, 0.5, 1.5),
+            (
+                "alpha_f of the generalised-alpha method",
+                self.alpha_f,
+                0.0,
+                0.5,
+            ),
+            (
+                "alpha_m of the generalised-alpha method",
+                self.alpha_m,
+                -1.0,
+                self.alpha_f,
+            ),
         ] {
-            if !(value.is_finite() && value >= least && value <= 1.0 && value > 0.0) {
+            if !(least..=most).contains(&value) {
                 return Err(Error::OutOfRange {
                     what,
                     value,
-                    range: "(0, 1] for beta and [1/2, 1] for gamma",
-                    remedy: "use Newmark::trapezoidal (1/4, 1/2), or gamma >= 1/2 with beta >= gamma / 2",
+                    range: "(0, 1] for beta, [1/2, 3/2] for gamma, [0, 1/2] for alpha_f and [-1, alpha_f] for alpha_m",
+                    remedy: "use Newmark::trapezoidal (1/4, 1/2), Newmark::hht with 0 to 1/3, Newmark::generalised_alpha with 0 to 1, or gamma >= 1/2 with beta >= gamma / 2",
                 });
             }
         }
-        if !structure.has_mass() {
-            return Err(Error::Unsupported {
-                what: "dynamics of a structure without mass".into(),
-                remedy: "give the beams a density with Beam::density, or solve statics",
-            });
-        }
-        let n = structure.unknowns().coordinates();
-        state.check(n)?;
-        let time = state.time;
-        structure.impose(time, Rate::Displacement, &mut state.displacement)?;
-        structure.impose(time, Rate::Velocity, &mut state.velocity)?;
-        let mut method = NewmarkMethod {
+        let workspace = prepare(structure, state)?;
+        let zeros = || vec![R::zero(); state.displacement.len()];
+        Ok(NewmarkMethod {
             settings: *self,
-            workspace: Workspace::new(structure),
-            before: vec![R::zero(); n],
+            workspace,
+            auxiliary: [state.acceleration.clone(), zeros()],
+            predicted: zeros(),
+            before: zeros(),
             step_before: None,
             step: None,
-        };
-        method.workspace.accelerate(structure, state)?;
-        Ok(method)
+        })
     }
 }
 
@@ -112,6 +158,10 @@ impl<R: Real> Scheme<R> for Newmark {
 pub struct NewmarkMethod<R> {
     settings: Newmark,
     workspace: Workspace<R>,
+    /// Auxiliary accelerations of the last step taken and of the last one tried.
+    auxiliary: [Vec<R>; 2],
+    /// Acceleration of equilibrium that belongs to the guess.
+    predicted: Vec<R>,
     /// Acceleration one step earlier, and the length of that step.
     before: Vec<R>,
     step_before: Option<R>,
@@ -120,8 +170,6 @@ pub struct NewmarkMethod<R> {
 }
 
 impl<R: Real> Method<R> for NewmarkMethod<R> {
-    const ERROR_ORDER: i32 = 3;
-
     fn advance<S: Structure<R>>(
         &mut self,
         structure: &S,
@@ -129,15 +177,27 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         next: &mut State<R>,
         step: R,
     ) -> Result<Solved> {
-        let beta = R::lit(self.settings.beta);
-        let gamma = R::lit(self.settings.gamma);
+        let settings = &self.settings;
+        let [beta, gamma, alpha_m, alpha_f] = [
+            settings.beta,
+            settings.gamma,
+            settings.alpha_m,
+            settings.alpha_f,
+        ]
+        .map(R::lit);
+        let share = R::one() / (R::one() - alpha_f);
         let square = step * step;
+        // The auxiliary acceleration lags by a share of the step: another step, another lag.
+        let ratio = self.step_before.map_or(R::one(), |before| step / before);
+        let [old, new] = &mut self.auxiliary;
         // The guess is the motion with constant acceleration; each metre of correction then
         // changes the acceleration by 1 / (beta dt^2).
         let half = square * R::lit(0.5);
-        for i in 0..next.displacement.len() {
-            let drift = step * now.velocity[i] + half * now.acceleration[i];
-            next.displacement[i] = now.displacement[i] + drift;
+        for i in 0..old.len() {
+            let a = now.acceleration[i];
+            new[i] = a + ratio * (old[i] - a);
+            self.predicted[i] = share * (new[i] - alpha_f * a);
+            next.displacement[i] = now.displacement[i] + (step * now.velocity[i] + half * new[i]);
         }
         // The mass term of a kept tangent belongs to one step size only.
         if self.step != Some(step) {
@@ -145,26 +205,30 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             self.step = Some(step);
         }
         next.time = now.time + step;
-        next.acceleration.copy_from_slice(&now.acceleration);
         structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
-        structure.impose(next.time, Rate::Acceleration, &mut next.acceleration)?;
+        structure.impose(next.time, Rate::Acceleration, &mut self.predicted)?;
         let rate = R::one() / (beta * square);
+        let inertia = share * (R::one() - alpha_m) * rate;
         let equations = Equations {
             time: next.time,
             factor: R::one(),
             initial: None,
-            inertia: Some((rate, &next.acceleration)),
+            inertia: Some((inertia, &self.predicted)),
         };
-        let newton = &self.settings.newton;
         let u = &mut next.displacement;
-        let solved = self.workspace.solve(structure, newton, &equations, u)?;
+        let solved = self
+            .workspace
+            .solve(structure, &settings.newton, &equations, u)?;
         for (i, moved) in self.workspace.moved().iter().enumerate() {
-            next.acceleration[i] += rate * *moved;
-            let mean = (R::one() - gamma) * now.acceleration[i] + gamma * next.acceleration[i];
-            next.velocity[i] = now.velocity[i] + step * mean;
+            let change = rate * *moved;
+            next.acceleration[i] = self.predicted[i] + inertia * *moved;
+            next.velocity[i] = now.velocity[i] + step * (new[i] + gamma * change);
+            new[i] += change;
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
-        next.work = now.work + self.workspace.work(structure, now, next)?;
+        let half = R::lit(0.5);
+        let ends = [now, &*next].map(|state| (half, state.time, &state.displacement[..]));
+        next.work = now.work + self.workspace.work(structure, &ends, now, next)?;
         Ok(solved)
     }
 
@@ -172,12 +236,12 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let Some(step) = self.step else {
             return (R::zero(), R::zero());
         };
-        let beta = R::lit(self.settings.beta);
-        let (mut error, mut size) = (R::zero(), R::zero());
-        let measure = structure.measure();
+        // The lag of the auxiliary acceleration acts like a change of beta.
+        let lag = self.settings.alpha_f - self.settings.alpha_m;
+        let beta = R::lit(self.settings.beta - 0.5 * lag);
         let cube = step * step * step / R::lit(24.0);
         let weight = |factor: f64| R::lit(12.0) * beta - R::lit(factor);
-        for i in 0..measure.len() {
+        mean_squares(structure.measure(), &next.displacement, |i| {
             let jerk = (next.acceleration[i] - now.acceleration[i]) / step;
             let (first, last) = match (self.settings.estimator, self.step_before) {
                 (Estimator::LiZengWiberg, Some(step_before)) => {
@@ -188,17 +252,13 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
                 // A constant jerk turns the first formula into the second.
                 _ => (jerk, jerk),
             };
-            let local = cube * (weight(3.0) * first + weight(1.0) * last) / measure[i];
-            error += local * local;
-            let moved = next.displacement[i] / measure[i];
-            size += moved * moved;
-        }
-        let mean = |square: R| norm(square / R::lit(measure.len() as f64));
-        (mean(error), mean(size))
+            cube * (weight(3.0) * first + weight(1.0) * last)
+        })
     }
 
     fn accept(&mut self, now: &State<R>, _next: &State<R>) {
         self.before.copy_from_slice(&now.acceleration);
+        self.auxiliary.swap(0, 1);
         self.step_before = self.step;
     }
 }

@@ -4,7 +4,7 @@
 use super::{Blocks, Material, Moduli, PoissonSplit, Tensor};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::add_scaled;
+use crate::tensor::{add_scaled, between};
 
 /// Linear elastic material with orthotropic moduli: a matrix of normal moduli and one shear
 /// modulus per pair of axes. Isotropic by [`isotropic`](Self::isotropic).
@@ -121,6 +121,11 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
             }
         }
         stress
+    }
+
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(&self, from: &Tensor<T, D>, to: &Tensor<T, D>) -> Tensor<T, D> {
+        self.stress(&between(from, to, R::lit(0.5)))
     }
 
     #[inline(always)]

@@ -36,6 +36,10 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
     fn force(&self, u: &[R], q: &mut [R]);
     fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()>;
+    /// Whether the secant force is made of strains.
+    fn has_strain(&self) -> bool;
+    fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
+    fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()>;
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
@@ -213,6 +217,32 @@ where
             self.link(n)
                 .kernel
                 .tangent(&self.gather(n, u), &mut force, &mut tangent);
+            let block = tangent.as_flattened().as_flattened().as_flattened();
+            k.add_block(self.range(n).start, S * D, block)?;
+        }
+        Ok(())
+    }
+
+    fn has_strain(&self) -> bool {
+        self.links.iter().all(|link| link.kernel.has_strain())
+    }
+
+    fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
+        for n in 0..self.starts.len() {
+            let mut element = [[R::zero(); D]; S];
+            let (from, to) = (self.gather(n, from), self.gather(n, to));
+            let kernel = &self.link(n).kernel;
+            kernel.secant(viscosity, &from, &to, &mut element);
+            self.scatter(n, &element, q);
+        }
+    }
+
+    fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()> {
+        for n in 0..self.starts.len() {
+            let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+            let (from, to) = (self.gather(n, from), self.gather(n, to));
+            let kernel = &self.link(n).kernel;
+            kernel.secant_tangent(viscosity, &from, &to, &mut tangent);
             let block = tangent.as_flattened().as_flattened().as_flattened();
             k.add_block(self.range(n).start, S * D, block)?;
         }

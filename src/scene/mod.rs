@@ -12,7 +12,7 @@ mod system;
 pub use beam::Beam;
 pub use joint::{Joint, Motion};
 pub use load::{Moment, MomentLaw};
-pub use system::{Energies, System};
+pub use system::{Energies, Momenta, System};
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

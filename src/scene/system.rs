@@ -11,8 +11,8 @@ use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{Matrix, Rate, State, Structure, Unknowns};
-use crate::tensor::{add_scaled, cross};
+use crate::solver::{Matrix, Rate, Secant, State, Structure, Unknowns};
+use crate::tensor::{add_scaled, cross, sum};
 
 /// Energy balance of a state (J).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +38,15 @@ impl<R: Real> Energies<R> {
     pub fn balance(&self) -> R {
         self.total() - self.work
     }
+}
+
+/// Momenta of a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Momenta<R, const D: usize> {
+    /// Linear momentum (kg m/s).
+    pub linear: [R; D],
+    /// Angular momentum about the origin (kg m^2/s); in the plane only the third component.
+    pub angular: [R; 3],
 }
 
 /// An assembled scene.
@@ -273,6 +282,34 @@ impl<R: Real, const D: usize> System<R, D> {
         })
     }
 
+    /// Linear and angular momentum of a state; zero without a mass matrix. Allocates.
+    ///
+    /// # Errors
+    /// When the state is of another system's size or not finite.
+    pub fn momenta(&self, state: &State<R>) -> Result<Momenta<R, D>> {
+        state.check(self.reference.len())?;
+        let mut impulse = vec![R::zero(); self.reference.len()];
+        self.add_mass_times(R::one(), &state.velocity, &mut impulse);
+        let mut momenta = Momenta {
+            linear: [R::zero(); D],
+            angular: [R::zero(); 3],
+        };
+        let space = |v: [R; D]| std::array::from_fn(|c| if c < D { v[c] } else { R::zero() });
+        for body in &self.bodies {
+            let per_node = body.vectors().len();
+            for (i, start) in body.range().step_by(D).enumerate() {
+                let e = |c| self.reference[start + c] + state.displacement[start + c];
+                let p: [R; D] = std::array::from_fn(|c| impulse[start + c]);
+                if body.vectors()[i % per_node] == NodalVector::Position {
+                    momenta.linear = sum(&momenta.linear, &p);
+                }
+                let turn = cross(&space(std::array::from_fn(e)), &space(p));
+                momenta.angular = sum(&momenta.angular, &turn);
+            }
+        }
+        Ok(momenta)
+    }
+
     /// What is modelled, in words: unknowns, bodies, terms switched on.
     pub fn describe(&self) -> String {
         self.to_string()
@@ -355,6 +392,39 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for load in &self.loads {
             let amplitude = factor * load.amplitude(time)?;
             load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
+        }
+        Ok(())
+    }
+
+    fn secant(&self) -> Secant {
+        match self.bodies.iter().all(|b| b.elastic().has_strain()) {
+            true => Secant::Strain,
+            false => Secant::Path,
+        }
+    }
+
+    fn add_secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
+        for body in &self.bodies {
+            body.elastic().secant(viscosity, from, to, q);
+        }
+    }
+
+    fn add_secant_tangent(
+        &self,
+        (time, factor): (R, R),
+        viscosity: R,
+        from: &[R],
+        to: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        for body in &self.bodies {
+            body.elastic().secant_tangent(viscosity, from, to, k)?;
+        }
+        let half = R::lit(0.5);
+        for load in &self.loads {
+            let amplitude = half * factor * load.amplitude(time)?;
+            let e = |i| self.reference[i] + half * (from[i] + to[i]);
+            load.subtract_tangent(amplitude, e, k)?;
         }
         Ok(())
     }

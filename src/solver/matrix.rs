@@ -35,6 +35,11 @@ impl<R: Real> Matrix<R> {
         &self.stored
     }
 
+    /// The entries over the unknowns, to write.
+    pub(crate) fn stored_mut(&mut self) -> &mut BandMatrix<R> {
+        &mut self.stored
+    }
+
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
         self.stored.clear();

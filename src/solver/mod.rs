@@ -16,5 +16,5 @@ pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
-pub use structure::{Rate, Structure};
+pub use structure::{Rate, Secant, Structure};
 pub use unknowns::{Condition, Unknowns};

@@ -102,6 +102,8 @@ pub(crate) struct Workspace<R> {
     tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
+    /// Whether the factors are those of the mass alone.
+    holds_mass: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
     floor: R,
     internal: Vec<R>,
@@ -140,6 +142,7 @@ impl<R: Real> Workspace<R> {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
+            holds_mass: false,
             floor: R::zero(),
             internal: zeros(),
             external: zeros(),
@@ -154,6 +157,7 @@ impl<R: Real> Workspace<R> {
     /// Forgets the factorisation, so that the next solve makes a new one.
     pub(crate) fn forget(&mut self) {
         self.factored = false;
+        self.holds_mass = false;
     }
 
     /// Sum of the corrections of the last solve: `u` minus the guess, with all its digits.
@@ -240,10 +244,13 @@ impl<R: Real> Workspace<R> {
             inertia: Some((R::zero(), &state.acceleration)),
         };
         self.balance(structure, &equations, &state.displacement)?;
-        self.forget();
-        self.tangent.clear();
-        structure.add_mass(R::one(), &mut self.tangent)?;
-        self.factor.factor(self.tangent.stored())?;
+        if !self.holds_mass {
+            self.forget();
+            self.tangent.clear();
+            structure.add_mass(R::one(), &mut self.tangent)?;
+            self.factor.factor(self.tangent.stored())?;
+            self.holds_mass = true;
+        }
         self.solve_linear(structure.unknowns())?;
         for (a, change) in state.acceleration.iter_mut().zip(&self.scratch) {
             *a += *change;
@@ -251,10 +258,12 @@ impl<R: Real> Workspace<R> {
         Ok(())
     }
 
-    /// Work of the applied forces over a step, by the trapezoidal rule.
+    /// Work of the applied forces over a step: their mean over `samples` (weight, time, state)
+    /// along the way from the state `now` to `next`.
     pub(crate) fn work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
+        samples: &[(R, R, &[R])],
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
@@ -262,9 +271,8 @@ impl<R: Real> Workspace<R> {
             return Ok(R::zero());
         }
         self.external.fill(R::zero());
-        for state in [now, next] {
-            let u = &state.displacement;
-            structure.add_applied(state.time, R::lit(0.5), u, &mut self.external)?;
+        for (weight, time, u) in samples {
+            structure.add_applied(*time, *weight, u, &mut self.external)?;
         }
         let moved = next.displacement.iter().zip(&now.displacement);
         let work = self.external.iter().zip(moved);
@@ -349,7 +357,7 @@ impl<R: Real> Workspace<R> {
         equations: &Equations<'_, R>,
         u: &[R],
     ) -> Result<()> {
-        self.factored = false;
+        self.forget();
         self.tangent.clear();
         structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
         let unknowns = structure.unknowns();

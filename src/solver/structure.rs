@@ -4,7 +4,7 @@
 
 use super::matrix::Matrix;
 use super::unknowns::Unknowns;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scalar::Real;
 
 /// What a vector of coordinates holds.
@@ -16,6 +16,19 @@ pub enum Rate {
     Velocity,
     /// Their second derivatives by time.
     Acceleration,
+}
+
+/// What the force of a structure over a step, [`Structure::add_secant`], is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Secant {
+    /// The structure has none.
+    Absent,
+    /// Its work is the change of the internal energy. Linear momentum is kept, angular momentum
+    /// only to the order of the step, and there is no strain to be viscous in.
+    Path,
+    /// The same from strains that no rotation changes: angular momentum is kept, too, and the
+    /// strain may be viscous.
+    Strain,
 }
 
 /// A structure with `n` coordinates: `M a + Q_s(u) = Q_e(t, u)` (eq. 16 of Orzechowski 2012) in
@@ -97,4 +110,33 @@ pub trait Structure<R: Real> {
     /// # Errors
     /// When the matrix is of other unknowns.
     fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()>;
+
+    /// What the secant force is made of; absent by default.
+    fn secant(&self) -> Secant {
+        Secant::Absent
+    }
+
+    /// Adds the secant force of the step between two states, which does the work
+    /// `U(to) - U(from)` on the way, and with a `viscosity` the force of the stress that this share
+    /// of the change of strain makes. Only called where [`secant`](Self::secant) is not absent.
+    fn add_secant(&self, _viscosity: R, _from: &[R], _to: &[R], _q: &mut [R]) {}
+
+    /// Adds the derivative by `to` of the secant force minus `factor` times the external forces half
+    /// way, `at` being that time and factor.
+    ///
+    /// # Errors
+    /// When a load is not finite, or there is no secant force.
+    fn add_secant_tangent(
+        &self,
+        _at: (R, R),
+        _viscosity: R,
+        _from: &[R],
+        _to: &[R],
+        _k: &mut Matrix<R>,
+    ) -> Result<()> {
+        Err(Error::Unsupported {
+            what: "the energy-momentum method on a structure without a secant force".into(),
+            remedy: "implement secant, add_secant and add_secant_tangent of Structure, or use another method",
+        })
+    }
 }

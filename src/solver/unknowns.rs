@@ -166,6 +166,47 @@ impl<R: Real> Unknowns<R> {
         })
     }
 
+    /// Unknowns of `copies` equal structures, numbered coordinate by coordinate: copy `c` of
+    /// coordinate `i` is `i * copies + c`. Motions given in time are those of every copy.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] without copies.
+    pub fn repeated(&self, copies: usize) -> Result<Self> {
+        let Tables {
+            places,
+            free,
+            followers,
+            profile,
+        } = &*self.tables;
+        let spread = |count: usize| (0..count).flat_map(|i| (0..copies).map(move |c| (i, c)));
+        let place = |(i, c): (usize, usize)| match places[i] {
+            Place::Unknown(q) => Place::Unknown(q * copies + c),
+            Place::Follower(k) => Place::Follower(k * copies + c),
+        };
+        let follower = |(k, c): (usize, usize)| {
+            let follower: &Follower<R> = &followers[k];
+            let term = |(i, a): &(usize, R)| (i * copies + c, *a);
+            Follower {
+                coordinate: follower.coordinate * copies + c,
+                terms: follower.terms.iter().map(term).collect(),
+                known: follower.known.clone(),
+            }
+        };
+        let range = |(q, reach): (usize, &usize)| q * copies..(reach + 1) * copies;
+        let ranges = profile.reach().iter().enumerate().map(range);
+        let tables = Tables {
+            places: spread(places.len()).map(place).collect(),
+            free: spread(free.len())
+                .map(|(q, c)| free[q] * copies + c)
+                .collect(),
+            followers: spread(followers.len()).map(follower).collect(),
+            profile: Profile::from_ranges(free.len() * copies, ranges)?,
+        };
+        Ok(Self {
+            tables: Arc::new(tables),
+        })
+    }
+
     /// Number of coordinates.
     pub fn coordinates(&self) -> usize {
         self.tables.places.len()

@@ -1,0 +1,330 @@
+//! The energy-momentum method: over each step acts the secant force, whose work is the change of
+//! strain energy to the last digit, made of the mean stress on the gradient half way, which exerts
+//! no torque (Simo and Tarnow 1992). Energy and both momenta are then kept at any step, and no
+//! growth of a fast mode can fake energy, which is how the trapezoidal rule loses long runs. (The
+//! mean of the *forces* along the way, the average vector field, keeps energy and linear momentum
+//! but turns the structure: it is what structures without strain get.)
+//!
+//! Rounding is all that is left, and it must not add up: Newton's method goes to the residual that
+//! rounding leaves, positions and velocities are formed from one mean acceleration, and what
+//! rounding cuts off both is carried to the next step.
+
+use std::cell::RefCell;
+
+use super::midpoint::Clock;
+use super::{Method, Scheme, impose_mean, prepare};
+use crate::error::{Error, Result};
+use crate::scalar::Real;
+use crate::solver::{
+    Equations, Matrix, Newton, Rate, Refresh, Secant, Solved, State, Structure, Unknowns, Workspace,
+};
+
+/// The energy-momentum method with optional dissipation that keeps the momenta: the stress
+/// `C (E_{n+1} - E_n) (viscosity + retardation / dt)` acts beside the mean stress and takes
+/// the energy `dE : C : dE` times that factor in every step. Second order without `viscosity`, of first
+/// order with it. Loads act as they are half way. The [`acceleration`](State::acceleration) it
+/// leaves is the mean over the step.
+///
+/// Needs [`Structure::add_secant`]. Energy is exact for strain energies up to the fourth degree
+/// in strain; angular momentum for formulations made of strain, as continua are
+/// ([`Secant::Strain`]).
+///
+/// ```
+/// use ancf::prelude::*;
+///
+/// let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
+/// let mut scene = Scene::<f64, 2>::new();
+/// let beam = scene.add(
+///     Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber))
+///         .straight([0.0, 0.0], [1.0, 0.0], 6)
+///         .density(7200.0),
+/// )?;
+/// scene.pin(beam.start())?;
+/// scene.gravity([0.0, -9.81])?;
+/// let system = scene.assemble()?;
+/// let mut run = Integration::start(&system, system.rest(), &EnergyMomentum::conserving())?;
+/// run.until(0.2, Stepping::Fixed(5e-3), |_| {})?;
+/// assert!(system.energies(run.state())?.balance().abs() < 1e-11);
+/// # Ok::<(), ancf::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnergyMomentum {
+    /// Viscous stress per elastic stress that the step adds: dissipation of what the step does not
+    /// resolve, zero for none.
+    pub viscosity: f64,
+    /// Retardation time of a Kelvin-Voigt material (s), zero for none.
+    pub retardation: f64,
+    /// Newton's method within a step.
+    pub newton: Newton,
+}
+
+impl Default for EnergyMomentum {
+    fn default() -> Self {
+        Self::conserving()
+    }
+}
+
+impl EnergyMomentum {
+    /// Energy and momenta kept to rounding, Newton's method run to it. Its tangent, not symmetric
+    /// and so dearer than others, is renewed when it is slow.
+    pub fn conserving() -> Self {
+        Self {
+            viscosity: 0.0,
+            retardation: 0.0,
+            newton: Newton {
+                residual: f64::MIN_POSITIVE,
+                refresh: Refresh::WhenSlow,
+                ..Newton::default()
+            },
+        }
+    }
+
+    /// Momenta kept, energy let down by this [`viscosity`](Self::viscosity) (0.5 damps unresolved
+    /// motion most).
+    pub fn dissipating(viscosity: f64) -> Self {
+        let mut method = Self::conserving();
+        method.viscosity = viscosity;
+        method.newton.residual = Newton::default().residual;
+        method
+    }
+
+    /// A Kelvin-Voigt material: this retardation time (s), in which a strain whose stress is taken
+    /// away falls to `1/e`.
+    pub fn kelvin_voigt(retardation: f64) -> Self {
+        let mut method = Self::dissipating(0.0);
+        method.retardation = retardation;
+        method
+    }
+
+    /// The same method with other settings of Newton's method.
+    pub fn with_newton(mut self, newton: Newton) -> Self {
+        self.newton = newton;
+        self
+    }
+}
+
+/// A structure over a step from a given state: its unknowns are those at the end of the step, its
+/// forces those of the whole step.
+struct Way<'a, R, S> {
+    structure: &'a S,
+    from: &'a [R],
+    viscosity: R,
+    /// Displacements half way.
+    middle: RefCell<&'a mut [R]>,
+}
+
+impl<R: Real, S: Structure<R>> Structure<R> for Way<'_, R, S> {
+    fn unknowns(&self) -> &Unknowns<R> {
+        self.structure.unknowns()
+    }
+    fn symmetric(&self) -> bool {
+        false
+    }
+    fn measure(&self) -> &[R] {
+        self.structure.measure()
+    }
+    fn add_internal(&self, u: &[R], q: &mut [R]) {
+        self.structure.add_secant(self.viscosity, self.from, u, q);
+    }
+    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        let mut middle = self.middle.borrow_mut();
+        for (i, middle) in middle.iter_mut().enumerate() {
+            *middle = R::lit(0.5) * (self.from[i] + u[i]);
+        }
+        self.structure.add_external(time, factor, &middle, q)
+    }
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let (at, viscosity) = ((time, factor), self.viscosity);
+        self.structure
+            .add_secant_tangent(at, viscosity, self.from, u, k)
+    }
+    fn name(&self, i: usize) -> String {
+        self.structure.name(i)
+    }
+    fn check(&self, u: &[R]) -> Result<()> {
+        self.structure.check(u)
+    }
+    fn has_mass(&self) -> bool {
+        self.structure.has_mass()
+    }
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        self.structure.add_mass_times(factor, a, out);
+    }
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
+        self.structure.add_mass(factor, k)
+    }
+}
+
+impl<R: Real> Scheme<R> for EnergyMomentum {
+    type Method = EnergyMomentumMethod<R>;
+
+    fn start<S: Structure<R>>(
+        &self,
+        structure: &S,
+        state: &mut State<R>,
+    ) -> Result<EnergyMomentumMethod<R>> {
+        self.newton.check()?;
+        for (what, value) in [
+            ("viscosity of the energy-momentum method", self.viscosity),
+            ("retardation time [s]", self.retardation),
+        ] {
+            if !(0.0..f64::INFINITY).contains(&value) {
+                return Err(Error::OutOfRange {
+                    what,
+                    value,
+                    range: "the finite numbers from zero on",
+                    remedy: "use EnergyMomentum::conserving, or a viscosity of 0.01 to 0.5",
+                });
+            }
+        }
+        let viscous = self.viscosity > 0.0 || self.retardation > 0.0;
+        let unsupported = |what: &str, remedy| {
+            Err(Error::Unsupported {
+                what: what.into(),
+                remedy,
+            })
+        };
+        match structure.secant() {
+            Secant::Absent => unsupported(
+                "the energy-momentum method on a structure without a secant force",
+                "implement secant, add_secant and add_secant_tangent of Structure, or use another method",
+            )?,
+            Secant::Path if viscous => unsupported(
+                "viscosity of a formulation that is given by its energy and has no strain",
+                "use EnergyMomentum::conserving, Newmark::generalised_alpha, or a continuum formulation",
+            )?,
+            _ => {}
+        }
+        prepare(structure, state)?;
+        let zeros = || vec![R::zero(); state.displacement.len()];
+        let mut middle = zeros();
+        let way = Way {
+            structure,
+            from: &state.displacement,
+            viscosity: R::zero(),
+            middle: RefCell::new(&mut middle),
+        };
+        Ok(EnergyMomentumMethod {
+            settings: *self,
+            workspace: Workspace::new(&way),
+            guess: zeros(),
+            lost: [(); 2].map(|()| [zeros(), zeros()]),
+            middle,
+            clock: Clock::default(),
+        })
+    }
+}
+
+/// The energy-momentum method at work on a structure.
+#[derive(Debug)]
+pub struct EnergyMomentumMethod<R> {
+    settings: EnergyMomentum,
+    workspace: Workspace<R>,
+    /// Mean acceleration guessed.
+    guess: Vec<R>,
+    /// What rounding cut off displacements and velocities, at the last step taken and at the one
+    /// tried.
+    lost: [[Vec<R>; 2]; 2],
+    middle: Vec<R>,
+    clock: Clock<R>,
+}
+
+/// `sum + term` and what its rounding cuts off, exactly (Knuth).
+fn two_sum<R: Real>(sum: R, term: R) -> (R, R) {
+    let total = sum + term;
+    let taken = total - sum;
+    (total, (sum - (total - taken)) + (term - taken))
+}
+
+impl<R: Real> EnergyMomentumMethod<R> {
+    /// One attempt to solve the step from a guess of the mean acceleration.
+    fn attempt<S: Structure<R>>(
+        &mut self,
+        structure: &S,
+        now: &State<R>,
+        next: &mut State<R>,
+        step: R,
+        guess: impl Fn(usize) -> R,
+    ) -> Result<Solved> {
+        let half = step * R::lit(0.5);
+        let [lost_u, lost_v] = &self.lost[0];
+        for i in 0..self.guess.len() {
+            self.guess[i] = guess(i);
+        }
+        let end = now.time + step;
+        impose_mean(structure, (now, end), &mut self.guess, &mut next.velocity)?;
+        for i in 0..self.guess.len() {
+            let drift = step * (now.velocity[i] + (half * self.guess[i] + lost_v[i]));
+            next.displacement[i] = now.displacement[i] + (drift + lost_u[i]);
+        }
+        structure.impose(end, Rate::Displacement, &mut next.displacement)?;
+        let way = Way {
+            structure,
+            from: &now.displacement,
+            viscosity: R::lit(self.settings.viscosity) + R::lit(self.settings.retardation) / step,
+            middle: RefCell::new(&mut self.middle),
+        };
+        let equations = Equations {
+            time: now.time + half,
+            factor: R::one(),
+            initial: None,
+            inertia: Some((R::one() / (half * step), &self.guess)),
+        };
+        let u = &mut next.displacement;
+        self.workspace
+            .solve(&way, &self.settings.newton, &equations, u)
+    }
+}
+
+impl<R: Real> Method<R> for EnergyMomentumMethod<R> {
+    fn advance<S: Structure<R>>(
+        &mut self,
+        structure: &S,
+        now: &State<R>,
+        next: &mut State<R>,
+        step: R,
+    ) -> Result<Solved> {
+        // The mass term of a kept tangent belongs to one step size only.
+        if self.clock.changes_to(step) {
+            self.workspace.forget();
+        }
+        let half = step * R::lit(0.5);
+        // A guess that misleads is replaced by a calmer one: no acceleration, then no motion.
+        let mut solved = self.attempt(structure, now, next, step, |i| now.acceleration[i]);
+        if let Err(Error::Unconverged { .. }) = solved {
+            solved = self.attempt(structure, now, next, step, |_| R::zero());
+        }
+        if let Err(Error::Unconverged { .. }) = solved {
+            solved = self.attempt(structure, now, next, step, |i| -now.velocity[i] / half);
+        }
+        let solved = solved?;
+        next.time = now.time + step;
+        let rate = R::one() / (half * step);
+        let [[old_u, old_v], [new_u, new_v]] = &mut self.lost;
+        for (i, moved) in self.workspace.moved().iter().enumerate() {
+            let a = self.guess[i] + rate * *moved;
+            let drift = step * (now.velocity[i] + (half * a + old_v[i]));
+            next.acceleration[i] = a;
+            (next.velocity[i], new_v[i]) = two_sum(now.velocity[i], step * a + old_v[i]);
+            (next.displacement[i], new_u[i]) = two_sum(now.displacement[i], drift + old_u[i]);
+        }
+        structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
+        structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        let middle = &mut self.middle;
+        for (i, middle) in middle.iter_mut().enumerate() {
+            *middle = R::lit(0.5) * (now.displacement[i] + next.displacement[i]);
+        }
+        let middle = [(R::one(), now.time + half, &self.middle[..])];
+        next.work = now.work + self.workspace.work(structure, &middle, now, next)?;
+        Ok(solved)
+    }
+
+    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+        self.clock.error(structure.measure(), now, next)
+    }
+
+    fn accept(&mut self, _now: &State<R>, _next: &State<R>) {
+        self.lost.swap(0, 1);
+        self.clock.accept();
+    }
+}

@@ -1,0 +1,144 @@
+//! The implicit midpoint rule: forces half way through the step. It is symplectic and keeps
+//! quadratic invariants, linear and angular momentum among them, at any step.
+
+use super::{Method, Scheme, impose_mean, mean_squares, prepare};
+use crate::error::Result;
+use crate::scalar::Real;
+use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace};
+
+/// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
+/// `u_{n+1} - u_n = dt (v_n + v_{n+1}) / 2`. Second order, no dissipation. The
+/// [`acceleration`](State::acceleration) it leaves is the mean over the step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Midpoint {
+    /// Newton's method within a step.
+    pub newton: Newton,
+}
+
+impl<R: Real> Scheme<R> for Midpoint {
+    type Method = MidpointMethod<R>;
+
+    fn start<S: Structure<R>>(
+        &self,
+        structure: &S,
+        state: &mut State<R>,
+    ) -> Result<MidpointMethod<R>> {
+        self.newton.check()?;
+        Ok(MidpointMethod {
+            newton: self.newton,
+            workspace: prepare(structure, state)?,
+            middle: vec![R::zero(); state.displacement.len()],
+            mean: vec![R::zero(); state.displacement.len()],
+            clock: Clock::default(),
+        })
+    }
+}
+
+/// The midpoint rule at work on a structure.
+#[derive(Debug)]
+pub struct MidpointMethod<R> {
+    newton: Newton,
+    workspace: Workspace<R>,
+    /// Displacements half way.
+    middle: Vec<R>,
+    /// Mean acceleration guessed.
+    mean: Vec<R>,
+    clock: Clock<R>,
+}
+
+/// Lengths of the step tried and of the last one taken, for methods whose accelerations are means
+/// over a step.
+#[derive(Debug)]
+pub(super) struct Clock<R> {
+    step: Option<R>,
+    taken: Option<R>,
+}
+
+impl<R> Default for Clock<R> {
+    fn default() -> Self {
+        let (step, taken) = (None, None);
+        Self { step, taken }
+    }
+}
+
+impl<R: Real> Clock<R> {
+    /// Notes a step to try, and whether it differs from the one before.
+    pub(super) fn changes_to(&mut self, step: R) -> bool {
+        let differs = self.step != Some(step);
+        self.step = Some(step);
+        differs
+    }
+
+    pub(super) fn accept(&mut self) {
+        self.taken = self.step;
+    }
+
+    /// The local error `dt^3 jerk / 12` from the change of the mean acceleration between steps, and
+    /// the size of the displacements.
+    pub(super) fn error(&self, measure: &[R], now: &State<R>, next: &State<R>) -> (R, R) {
+        let step = self.step.unwrap_or(R::zero());
+        // The first acceleration is that of the start, not a mean.
+        let apart = (step + self.taken.unwrap_or(R::zero())) * R::lit(0.5);
+        let cube = step * step * step / (R::lit(12.0) * apart);
+        mean_squares(measure, &next.displacement, |i| {
+            cube * (next.acceleration[i] - now.acceleration[i])
+        })
+    }
+}
+
+impl<R: Real> Method<R> for MidpointMethod<R> {
+    fn advance<S: Structure<R>>(
+        &mut self,
+        structure: &S,
+        now: &State<R>,
+        next: &mut State<R>,
+        step: R,
+    ) -> Result<Solved> {
+        let half = step * R::lit(0.5);
+        let quarter = half * half;
+        next.time = now.time + step;
+        self.mean.copy_from_slice(&now.acceleration);
+        let way = (now, next.time);
+        impose_mean(structure, way, &mut self.mean, &mut next.velocity)?;
+        for (i, u) in self.middle.iter_mut().enumerate() {
+            let drift = half * now.velocity[i] + quarter * self.mean[i];
+            *u = now.displacement[i] + drift;
+        }
+        let halfway = now.time + half;
+        structure.impose(halfway, Rate::Displacement, &mut self.middle)?;
+        // The mass term of a kept tangent belongs to one step size only.
+        if self.clock.changes_to(step) {
+            self.workspace.forget();
+        }
+        let rate = R::one() / quarter;
+        let equations = Equations {
+            time: halfway,
+            factor: R::one(),
+            initial: None,
+            inertia: Some((rate, &self.mean)),
+        };
+        let solved = self
+            .workspace
+            .solve(structure, &self.newton, &equations, &mut self.middle)?;
+        for (i, moved) in self.workspace.moved().iter().enumerate() {
+            let a = self.mean[i] + rate * *moved;
+            let drift = step * (now.velocity[i] + half * a);
+            next.acceleration[i] = a;
+            next.velocity[i] = now.velocity[i] + step * a;
+            next.displacement[i] = now.displacement[i] + drift;
+        }
+        structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
+        structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        let middle = [(R::one(), halfway, &self.middle[..])];
+        next.work = now.work + self.workspace.work(structure, &middle, now, next)?;
+        Ok(solved)
+    }
+
+    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+        self.clock.error(structure.measure(), now, next)
+    }
+
+    fn accept(&mut self, _now: &State<R>, _next: &State<R>) {
+        self.clock.accept();
+    }
+}
