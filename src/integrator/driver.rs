@@ -32,12 +32,8 @@ pub enum Stepping {
 /// `k` of the step that the error follows, an integral and a proportional gain (Gustafsson 1991).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
-    /// Relative local error allowed: in a step, or in a second if [`per_second`](Self::per_second)
-    /// is set.
+    /// Relative local error allowed.
     pub tolerance: f64,
-    /// Whether the tolerance is for the sum of the errors of the steps of one second, not for each
-    /// step: the error at a given time is then proportional to the tolerance.
-    pub per_second: bool,
     /// First step (s).
     pub first: f64,
     /// Longest step (s).
@@ -56,13 +52,12 @@ pub struct Adaptive {
 }
 
 impl Adaptive {
-    /// Error control to `tolerance` per step, the procedure of the paper
+    /// Error control to `tolerance`, the procedure of the paper
     /// (`0.8 dt (tolerance / error)^(1/3)`), with usual limits: first step 10 us, steps between
     /// 1 ns and 0.1 s, least motion a millionth of the structure.
     pub fn to(tolerance: f64) -> Self {
         Self {
             tolerance,
-            per_second: false,
             first: 1e-5,
             longest: 0.1,
             shortest: 1e-9,
@@ -72,12 +67,10 @@ impl Adaptive {
         }
     }
 
-    /// Error control to `tolerance` per second by proportional and integral gains: the error at a
-    /// given time is proportional to the tolerance, by the factor to which the motion lets errors
-    /// grow.
-    pub fn per_second(tolerance: f64) -> Self {
+    /// Error control to `tolerance` by proportional and integral gains: smoother steps, closer to
+    /// the longest that the tolerance allows.
+    pub fn smoothly_to(tolerance: f64) -> Self {
         Self {
-            per_second: true,
             safety: 0.9,
             gains: [0.3, 0.4],
             ..Self::to(tolerance)
@@ -476,7 +469,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 what: "proportional gain of the step control",
                 value: control.gains[1],
                 range: "0 to 1",
-                remedy: "use Adaptive::to (none) or Adaptive::per_second (0.4)",
+                remedy: "use Adaptive::to (none) or Adaptive::smoothly_to (0.4)",
             });
         }
         let mut step = self.proposed.unwrap_or(R::lit(control.first));
@@ -488,7 +481,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             let trial = even(left, step);
             let (factor, refused) = match self.attempt(trial) {
                 Ok(()) => {
-                    let (accepted, factor) = self.judge(control, trial);
+                    let (accepted, factor) = self.judge(control);
                     if accepted && self.take(trial, None, watch, observe)? {
                         return Ok(true);
                     }
@@ -521,22 +514,18 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     }
 
     /// Whether the step just tried meets the tolerance, and the factor for the next.
-    fn judge(&mut self, control: &Adaptive, step: R) -> (bool, f64) {
+    fn judge(&mut self, control: &Adaptive) -> (bool, f64) {
         let (error, size) = self.method.error(self.structure, &self.state, &self.next);
         let size = self.motion.larger(size);
-        let mut error = (error / size.larger(R::lit(control.least_motion))).value();
-        let mut order = self.method.error_order();
-        if control.per_second {
-            error /= step.value();
-            order -= 1;
-        }
+        let error = (error / size.larger(R::lit(control.least_motion))).value();
+        let order = f64::from(self.method.error_order());
         if !error.is_finite() {
             self.report.failed += 1;
             return (false, 0.25);
         }
         // No error at all lets the step grow a hundredfold at most.
         let share = (error / control.tolerance).max(1e-6);
-        let [integral, proportional] = control.gains.map(|gain| gain / f64::from(order.max(1)));
+        let [integral, proportional] = control.gains.map(|gain| gain / order);
         let trend = (self.error / share).powf(proportional);
         let factor = control.safety * share.powf(-integral) * trend;
         if error <= control.tolerance {
@@ -545,7 +534,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             (true, factor.clamp(0.3, 2.0))
         } else {
             self.report.rejected += 1;
-            let factor = control.safety * share.powf(-1.0 / f64::from(order.max(1)));
+            let factor = control.safety * share.powf(-1.0 / order);
             (false, factor.clamp(0.1, 0.9))
         }
     }
