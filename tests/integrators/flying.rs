@@ -34,7 +34,10 @@ fn distance(scheme: &impl Scheme<f64>, elements: usize, step: f64, end: f64) -> 
             break;
         }
         run.until(row[0], Stepping::Fixed(step), |_| {}).unwrap();
-        for (node, [x, y]) in [(beam.start(), [row[1], row[2]]), (beam.end(), [row[4], row[5]])] {
+        for (node, [x, y]) in [
+            (beam.start(), [row[1], row[2]]),
+            (beam.end(), [row[4], row[5]]),
+        ] {
             let at = system.position(run.state(), node).unwrap();
             worst = worst.max((at[0] - x).hypot(at[1] - y));
         }
@@ -42,11 +45,17 @@ fn distance(scheme: &impl Scheme<f64>, elements: usize, step: f64, end: f64) -> 
     worst / 10.0
 }
 
+/// Eight elements at 10 ms follow the reference through the forced half turn, and through six turns
+/// of free flight as far as two models with other stiffness of the section itself, and a
+/// reference known to a thousandth, can agree.
 #[test]
-fn look() {
-    for (n, dt) in [(4, 2e-2), (8, 1e-2), (16, 1e-2), (16, 5e-3)] {
-        for end in [2.5, 5.0, 15.0] {
-            println!("{n} {dt} {end}: {:.2e} {:.2e}", distance(&Newmark::generalised_alpha(0.8), n, dt, end), distance(&EnergyMomentum::conserving(), n, dt, end));
-        }
+fn a_flying_beam_follows_the_reference() {
+    let scheme = EnergyMomentum::conserving();
+    for (end, bound) in [(2.5, 4e-4), (5.0, 1.5e-3), (15.0, 1e-2)] {
+        let distance = distance(&scheme, 8, 1e-2, end);
+        assert!(distance < bound, "{distance:e} to {end} s");
     }
+    // A method with dissipation at the same step, while its own error is small.
+    let distance = distance(&Newmark::generalised_alpha(0.8), 8, 1e-2, 2.5);
+    assert!(distance < 4e-4, "{distance:e}");
 }

@@ -20,7 +20,10 @@ fn parameters_out_of_range() {
         assert!(text.contains("generalised_alpha with 0 to 1"), "{text}");
     }
     for alpha in [-0.1, 0.6, f64::NAN] {
-        assert!(refusal(&Newmark::hht(alpha)).contains("Newmark::hht"), "{alpha}");
+        assert!(
+            refusal(&Newmark::hht(alpha)).contains("Newmark::hht"),
+            "{alpha}"
+        );
     }
     for bad in [-0.1, f64::NAN, f64::INFINITY] {
         assert!(refusal(&EnergyMomentum::dissipating(bad)).contains("viscosity"));
@@ -46,7 +49,13 @@ fn stepping_out_of_range() {
     let mut idle = Adaptive::smoothly_to(1e-4);
     idle.gains[0] = 0.0;
     for (stepping, named) in [
-        (Stepping::Halved { step: 0.0, halvings: 2 }, "time step"),
+        (
+            Stepping::Halved {
+                step: 0.0,
+                halvings: 2,
+            },
+            "time step",
+        ),
         (Stepping::Stable(-1.0), "share of the longest stable step"),
         (Stepping::Stable(0.9), "stable at any step"),
         (Stepping::Adaptive(smooth), "proportional gain"),
