@@ -8,3 +8,4 @@ mod flying;
 mod models;
 mod order;
 mod refusals;
+mod secant;
