@@ -65,4 +65,34 @@ fn a_step_allocates_nothing() {
             assert_eq!(count, 0, "adaptive, {refresh:?}, moment: {moment}");
         }
     }
+    let system = build(false);
+    let fixed = Stepping::Halved {
+        step: 1e-3,
+        halvings: 3,
+    };
+    quiet(&system, &Newmark::generalised_alpha(0.8), fixed);
+    quiet(&system, &Midpoint::default(), fixed);
+    quiet(&system, &EnergyMomentum::conserving(), fixed);
+    quiet(&system, &EnergyMomentum::dissipating(0.1), fixed);
+    quiet(&system, &Collocation::gauss(2), fixed);
+    quiet(&system, &Collocation::radau(3), fixed);
+    let explicit = CentralDifference { renewal: 5 };
+    quiet(&system, &explicit, Stepping::Stable(0.9));
+}
+
+/// No allocation in a run of this scheme, nor in finding an event.
+fn quiet<M: Scheme<f64> + std::fmt::Debug>(
+    system: &System<f64, 3>,
+    scheme: &M,
+    stepping: Stepping,
+) {
+    let mut run = Integration::start(system, system.rest(), scheme).unwrap();
+    run.until(2e-3, stepping, |_| {}).unwrap();
+    let count = allocations(|| {
+        run.until(1e-2, stepping, |_| {}).unwrap();
+        let clock = |state: &State<f64>| state.time - 0.0123;
+        let met = run.until_event(2e-2, stepping, Crossing::Rising, clock, |_| {});
+        assert!(met.unwrap());
+    });
+    assert_eq!(count, 0, "{scheme:?}");
 }

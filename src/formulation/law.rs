@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 use crate::material::{Material, green_lagrange};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_times, between, cross, dot, gauss_pair, sum, times};
+use crate::tensor::{add_scaled, add_times, between, cross, dot, gauss_pair, sum, times};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
 /// sampled vectors `a` and `b`. Only blocks with `a <= b` are used.
@@ -54,6 +54,19 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
         to: &[[T; D]; K],
     ) -> [[T; D]; K] {
         path_mean(from, to, |h| self.resultants(reference, h))
+    }
+
+    /// Derivatives of the secant resultants by the sampled vectors `to`, all blocks of them: they are
+    /// not symmetric.
+    #[inline]
+    fn secant_stiffness<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> SectionStiffness<T, D, K> {
+        derived_secant_stiffness(self, viscosity, reference, from, to)
     }
 
     /// First and second derivatives of the energy by the sampled vectors.
@@ -126,6 +139,32 @@ where
         resultants[b] = std::array::from_fn(|c| T::real_part::<D>(&dual[b][c]));
     }
     (resultants, stiffness)
+}
+
+#[inline(always)]
+fn derived_secant_stiffness<R, T, L, const D: usize, const K: usize>(
+    law: &L,
+    viscosity: R,
+    reference: &[[R; D]; K],
+    from: &[[T; D]; K],
+    to: &[[T; D]; K],
+) -> SectionStiffness<T, D, K>
+where
+    R: Real,
+    T: Algebra<R>,
+    L: SectionLaw<R, D, K> + ?Sized,
+{
+    let from = from.map(|h| h.map(|x| x.constant::<D>()));
+    let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
+    for b in 0..K {
+        let dual = law.secant(viscosity, reference, &from, &varied(to, b));
+        for a in 0..K {
+            for c in 0..D {
+                stiffness[a][b][c] = std::array::from_fn(|d| T::derivative::<D>(&dual[a][c], d));
+            }
+        }
+    }
+    stiffness
 }
 
 /// Dual numbers with unit derivatives along the components of vector `k` of `vectors`.
@@ -292,6 +331,75 @@ where
             add_resultants(&mut n, y, *w, &stress, &c);
         }
         n
+    }
+
+    #[inline(always)]
+    fn secant_stiffness<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> SectionStiffness<T, D, K> {
+        if !self.straight {
+            return derived_secant_stiffness(self, viscosity, reference, from, to);
+        }
+        let half = R::lit(0.5);
+        let middle = between(from, to, half);
+        let mut k = [[[[T::zero(); D]; D]; K]; K];
+        for (y, w) in &self.points {
+            let initial = columns(reference, y);
+            let strain = |h| green_lagrange(&initial, &columns(h, y));
+            let (before, after) = (strain(from), strain(to));
+            let stress = self.secant_stress(viscosity, &before, &after);
+            let mut elasticity = self.material.secant_elasticity(&before, &after);
+            if !viscosity.is_zero() {
+                let viscous = self.material.elasticity(&after);
+                for (sum, term) in elasticity
+                    .as_flattened_mut()
+                    .as_flattened_mut()
+                    .iter_mut()
+                    .zip(viscous.as_flattened().as_flattened())
+                {
+                    add_times(sum, viscosity, term);
+                }
+            }
+            let left = total(&initial, &columns(&middle, y));
+            let right = total(&initial, &columns(to, y));
+            let mut blocks = [[[[T::zero(); D]; D]; D]; D];
+            for a in 0..D {
+                for b in 0..D {
+                    for e in 0..D {
+                        let mut column = [T::zero(); D];
+                        for f in 0..D {
+                            add_scaled(&mut column, elasticity[a][e][b][f], &right[f]);
+                        }
+                        for i in 0..D {
+                            add_scaled(&mut blocks[a][b][i], left[e][i], &column);
+                        }
+                    }
+                    for i in 0..D {
+                        blocks[a][b][i][i] += stress[a][b].times(half);
+                    }
+                }
+            }
+            // The gradient column that a sampled vector is in, and its factor there.
+            let place = |k: usize| match k {
+                0 => (0, y[0]),
+                k if k < D => (k, R::one()),
+                k => (0, y[k + 1 - D]),
+            };
+            for m in 0..K {
+                let (a, left) = place(m);
+                for n in 0..K {
+                    let (b, right) = place(n);
+                    for i in 0..D {
+                        add_times(&mut k[m][n][i], *w * left * right, &blocks[a][b][i]);
+                    }
+                }
+            }
+        }
+        k
     }
 
     #[inline(always)]

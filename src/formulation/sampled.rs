@@ -6,7 +6,7 @@
 
 use num_dual::HyperDual;
 
-use super::law::{SectionLaw, SectionStiffness, varied};
+use super::law::{SectionLaw, SectionStiffness};
 use super::{ElementKernel, Reference, Tangent};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -114,23 +114,22 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
         }
     }
 
-    /// Adds what the sampled vectors `n`, derivatives along the components of sampled vector `l`,
-    /// contribute to a tangent that need not be symmetric.
+    /// Adds a stiffness of which every block is given.
     #[inline(always)]
-    fn scatter_derivatives<T: Algebra<R>>(
+    fn scatter_all<T: Algebra<R>>(
         &self,
-        l: usize,
-        n: &[[T::Dual<D>; D]; K],
+        stiffness: &SectionStiffness<T, D, K>,
         tangent: &mut Tangent<T, D, S>,
     ) {
         for k in 0..K {
-            let block: [[T; D]; D] = std::array::from_fn(|c| {
-                std::array::from_fn(|d| T::derivative::<D>(&n[k][c], d).times(self.weight))
-            });
-            for (i, left) in self.rows[k].iter() {
-                for (j, right) in self.rows[l].iter() {
-                    for c in 0..D {
-                        add_times(&mut tangent[i][c][j], left * right, &block[c]);
+            for l in 0..K {
+                let block: [[T; D]; D] =
+                    std::array::from_fn(|c| times(self.weight, &stiffness[k][l][c]));
+                for (i, left) in self.rows[k].iter() {
+                    for (j, right) in self.rows[l].iter() {
+                        for c in 0..D {
+                            add_times(&mut tangent[i][c][j], left * right, &block[c]);
+                        }
                     }
                 }
             }
@@ -265,13 +264,10 @@ where
     ) {
         for (law, stations) in &self.parts {
             for station in stations {
-                let from = station.sample(from).map(|h| h.map(|x| x.constant::<D>()));
-                let to = station.sample(to);
-                for l in 0..K {
-                    let to = varied(&to, l);
-                    let n = law.secant(viscosity, &station.reference, &from, &to);
-                    station.scatter_derivatives(l, &n, k);
-                }
+                let (from, to) = (station.sample(from), station.sample(to));
+                let reference = &station.reference;
+                let stiffness = law.secant_stiffness(viscosity, reference, &from, &to);
+                station.scatter_all(&stiffness, k);
             }
         }
     }

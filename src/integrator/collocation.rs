@@ -2,26 +2,24 @@
 //! stages. The stages are the coordinates of a larger structure, numbered coordinate by coordinate,
 //! so that it keeps a band and Newton's method sees nothing new.
 
+mod stages;
+mod tableau;
+
 use std::cell::RefCell;
 
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
-use crate::quadrature::{gauss_legendre, gauss_radau};
 use crate::scalar::Real;
-use crate::solver::{
-    Equations, Matrix, Newton, Rate, Solved, State, Structure, Unknowns, Workspace,
-};
-
-/// Where the equations of motion hold within a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Points {
-    Gauss,
-    Radau,
-}
+use crate::solver::{Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace};
+use stages::{Layout, Scratch, Stages};
+use tableau::{Points, Tableau, weighted};
 
 /// Collocation with `s` stages: the motion over a step is the polynomial that obeys the equations
 /// of motion at `s` points (Hairer, Norsett and Wanner, *Solving ODEs I*, II.7 and *II*, IV.5). A
 /// step costs what a structure of `s` times the coordinates costs.
+///
+/// Error control holds the polynomial inside the step to the tolerance; with more than two stages
+/// the end of the step is better than that.
 ///
 /// ```
 /// use ancf::prelude::*;
@@ -72,287 +70,6 @@ impl Collocation {
         self.newton = newton;
         self
     }
-}
-
-/// Coefficients of a method in second-order form: stage `i` is at the displacement
-/// `u + dt c_i v + dt^2 sum_j twice_ij a_j` with the stage accelerations `a`.
-#[derive(Debug)]
-struct Tableau<R> {
-    /// Points in the step.
-    at: Vec<R>,
-    /// Weights of the accelerations in the velocity at the end.
-    weight: Vec<R>,
-    /// Runge-Kutta matrix, and its square.
-    once: Vec<Vec<R>>,
-    twice: Vec<Vec<R>>,
-    /// Inverse of the square.
-    inverse: Vec<Vec<R>>,
-    /// Weights of the accelerations in the displacement at the end.
-    end: Vec<R>,
-    /// Weights, that of the acceleration at the start first, whose formula minus that of the method
-    /// is the error estimate.
-    estimate: Vec<R>,
-}
-
-/// Integrals `int_0^end weight(x) l_j(x) dx` of Lagrange's polynomials on `nodes`.
-fn lagrange<R: Real>(nodes: &[R], end: R, weight: impl Fn(R) -> R) -> Result<Vec<R>> {
-    let rule = gauss_legendre::<R>(nodes.len() / 2 + 1)?;
-    let integral = |j: usize| {
-        rule.iter()
-            .map(|([x], w)| {
-                let x = x * end;
-                let factors = (0..nodes.len()).filter(|&k| k != j);
-                let value = factors.map(|k| (x - nodes[k]) / (nodes[j] - nodes[k]));
-                w * end * weight(x) * value.fold(R::one(), |product, factor| product * factor)
-            })
-            .sum()
-    };
-    Ok((0..nodes.len()).map(integral).collect())
-}
-
-/// Inverse of a small matrix, by elimination with partial pivoting.
-fn inverse<R: Real>(mut matrix: Vec<Vec<R>>) -> Vec<Vec<R>> {
-    let n = matrix.len();
-    let unit = |i: usize, j: usize| if i == j { R::one() } else { R::zero() };
-    for (i, row) in matrix.iter_mut().enumerate() {
-        row.extend((0..n).map(|j| unit(i, j)));
-    }
-    for j in 0..n {
-        let larger = |a: usize, i: usize| match matrix[i][j].abs() > matrix[a][j].abs() {
-            true => i,
-            false => a,
-        };
-        let chosen = (j..n).fold(j, larger);
-        matrix.swap(j, chosen);
-        let pivot = matrix[j].clone();
-        for (i, row) in matrix.iter_mut().enumerate() {
-            let factor = row[j] / pivot[j];
-            for k in 0..2 * n {
-                match i == j {
-                    true => row[k] = pivot[k] / pivot[j],
-                    false => row[k] -= factor * pivot[k],
-                }
-            }
-        }
-    }
-    matrix.into_iter().map(|row| row[n..].to_vec()).collect()
-}
-
-impl<R: Real> Tableau<R> {
-    fn new(points: Points, stages: usize) -> Result<Self> {
-        let one = |_: R| R::one();
-        let at: Vec<R> = match points {
-            Points::Gauss => gauss_legendre(stages)?.iter().map(|([x], _)| x).collect(),
-            // The rule has its first node at the start: mirrored.
-            Points::Radau => {
-                let rule = gauss_radau::<R>(stages)?;
-                let mut at: Vec<R> = rule.iter().map(|([x], _)| R::one() - x).collect();
-                at.reverse();
-                at
-            }
-        };
-        let once = at
-            .iter()
-            .map(|&c| lagrange(&at, c, one))
-            .collect::<Result<Vec<_>>>()?;
-        let product = |row: &[R], j: usize| (0..stages).map(|k| row[k] * once[k][j]).sum();
-        let weight = lagrange(&at, R::one(), one)?;
-        let times = |row: &[R]| (0..stages).map(|j| product(row, j)).collect();
-        let twice: Vec<Vec<R>> = once.iter().map(|row| times(row)).collect();
-        let end: Vec<R> = times(&weight);
-        let with_start: Vec<R> = std::iter::once(R::zero())
-            .chain(at.iter().copied())
-            .collect();
-        let mut estimate = lagrange(&with_start, R::one(), |x| R::one() - x)?;
-        for (estimate, end) in estimate[1..].iter_mut().zip(&end) {
-            *estimate -= *end;
-        }
-        Ok(Self {
-            inverse: inverse(twice.clone()),
-            at,
-            weight,
-            once,
-            twice,
-            end,
-            estimate,
-        })
-    }
-}
-
-/// Unknowns and natural sizes of the stages.
-#[derive(Debug)]
-struct Layout<R> {
-    unknowns: Unknowns<R>,
-    measure: Vec<R>,
-}
-
-impl<R: Real> Layout<R> {
-    fn new<S: Structure<R>>(structure: &S, stages: usize) -> Result<Self> {
-        let measure = structure.measure().iter();
-        Ok(Self {
-            unknowns: structure.unknowns().repeated(stages)?,
-            measure: measure
-                .flat_map(|m| std::iter::repeat_n(*m, stages))
-                .collect(),
-        })
-    }
-}
-
-/// Vectors and a matrix of one stage.
-#[derive(Debug)]
-struct Scratch<R> {
-    u: Vec<R>,
-    q: Vec<R>,
-    matrix: Matrix<R>,
-}
-
-impl<R: Real> Scratch<R> {
-    /// Takes stage `i` out of the vector of all and clears the forces.
-    fn stage(&mut self, all: &[R], i: usize, stages: usize) {
-        let own = all.iter().skip(i).step_by(stages);
-        for (u, value) in self.u.iter_mut().zip(own) {
-            *u = *value;
-        }
-        self.q.fill(R::zero());
-    }
-
-    /// Adds the forces of stage `i` to those of all.
-    fn give(&self, all: &mut [R], i: usize, stages: usize) {
-        let own = all.iter_mut().skip(i).step_by(stages);
-        for (sum, q) in own.zip(&self.q) {
-            *sum += *q;
-        }
-    }
-
-    /// Puts stage `i` back into the vector of all.
-    fn put(&self, all: &mut [R], i: usize, stages: usize) {
-        let own = all.iter_mut().skip(i).step_by(stages);
-        for (value, u) in own.zip(&self.u) {
-            *value = *u;
-        }
-    }
-
-    /// Shows every entry of the matrix, by unknowns.
-    fn entries(&self, mut show: impl FnMut(usize, usize, R) -> Result<()>) -> Result<()> {
-        let matrix = self.matrix.stored();
-        for i in 0..matrix.size() {
-            let (first, row) = matrix.row(i);
-            for (j, value) in (first..).zip(row) {
-                show(i, j, *value)?;
-                if matrix.is_symmetric() && i != j {
-                    show(j, i, *value)?;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The stages of a step as one structure.
-struct Stages<'a, R, S> {
-    structure: &'a S,
-    tableau: &'a Tableau<R>,
-    layout: &'a Layout<R>,
-    step: R,
-    scratch: RefCell<&'a mut Scratch<R>>,
-}
-
-impl<R: Real, S: Structure<R>> Stages<'_, R, S> {
-    fn count(&self) -> usize {
-        self.tableau.at.len()
-    }
-}
-
-impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
-    fn unknowns(&self) -> &Unknowns<R> {
-        &self.layout.unknowns
-    }
-    fn symmetric(&self) -> bool {
-        false
-    }
-    fn measure(&self) -> &[R] {
-        &self.layout.measure
-    }
-    fn add_internal(&self, u: &[R], q: &mut [R]) {
-        let mut scratch = self.scratch.borrow_mut();
-        for i in 0..self.count() {
-            scratch.stage(u, i, self.count());
-            let Scratch { u, q: own, .. } = &mut **scratch;
-            self.structure.add_internal(u, own);
-            scratch.give(q, i, self.count());
-        }
-    }
-    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        let mut scratch = self.scratch.borrow_mut();
-        for (i, at) in self.tableau.at.iter().enumerate() {
-            scratch.stage(u, i, self.count());
-            let Scratch { u, q: own, .. } = &mut **scratch;
-            let time = time + self.step * *at;
-            self.structure.add_external(time, factor, u, own)?;
-            scratch.give(q, i, self.count());
-        }
-        Ok(())
-    }
-    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        let mut scratch = self.scratch.borrow_mut();
-        let count = self.count();
-        for (i, at) in self.tableau.at.iter().enumerate() {
-            scratch.stage(u, i, count);
-            let Scratch { u, matrix, .. } = &mut **scratch;
-            matrix.clear();
-            let time = time + self.step * *at;
-            self.structure.add_tangent(time, factor, u, matrix)?;
-            let k = k.stored_mut();
-            scratch.entries(|a, b, value| k.add(a * count + i, b * count + i, value))?;
-        }
-        Ok(())
-    }
-    fn name(&self, i: usize) -> String {
-        self.structure.name(i / self.count())
-    }
-    fn check(&self, u: &[R]) -> Result<()> {
-        let mut scratch = self.scratch.borrow_mut();
-        for i in 0..self.count() {
-            scratch.stage(u, i, self.count());
-            self.structure.check(&scratch.u)?;
-        }
-        Ok(())
-    }
-    fn has_mass(&self) -> bool {
-        self.structure.has_mass()
-    }
-    /// `M (A^2)^-1`: takes displacements of the stages, per square of the step, to inertia forces.
-    fn add_mass_times(&self, factor: R, x: &[R], out: &mut [R]) {
-        let mut scratch = self.scratch.borrow_mut();
-        for (i, inverse) in self.tableau.inverse.iter().enumerate() {
-            scratch.stage(x, i, self.count());
-            let Scratch { u, q, .. } = &mut **scratch;
-            for (u, all) in u.iter_mut().zip(x.chunks_exact(self.count())) {
-                *u = weighted(inverse, all);
-            }
-            self.structure.add_mass_times(factor, u, q);
-            scratch.give(out, i, self.count());
-        }
-    }
-    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
-        let mut scratch = self.scratch.borrow_mut();
-        let count = self.count();
-        scratch.matrix.clear();
-        self.structure.add_mass(factor, &mut scratch.matrix)?;
-        let k = k.stored_mut();
-        scratch.entries(|a, b, value| {
-            for (i, row) in self.tableau.inverse.iter().enumerate() {
-                for (j, inverse) in row.iter().enumerate() {
-                    k.add(a * count + i, b * count + j, value * *inverse)?;
-                }
-            }
-            Ok(())
-        })
-    }
-}
-
-fn weighted<R: Real>(weights: &[R], values: &[R]) -> R {
-    weights.iter().zip(values).map(|(w, x)| *w * *x).sum()
 }
 
 impl<R: Real> Scheme<R> for Collocation {
@@ -461,8 +178,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
     }
 
     fn error_order(&self) -> i32 {
-        // What the method leaves out, or the interpolation of the estimate if that is more.
-        (self.order() + 1).min(self.settings.stages as i32 + 3)
+        (self.order() + 1).min(self.settings.stages as i32 + 2)
     }
 
     fn advance<S: Structure<R>>(

@@ -3,87 +3,12 @@
 //! accepted step and cannot change it; an event ends the run where it happens.
 
 use super::event::{Crossing, Event, Never, Watch, locate};
+use super::observe::{Observation, Step};
+use super::stepping::{Adaptive, Stepping};
 use super::{Method, Scheme};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
 use crate::solver::{State, Structure};
-
-/// How steps are chosen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stepping {
-    /// Equal steps of this many seconds; a step that fails ends the run.
-    Fixed(f64),
-    /// Equal steps (s); one that fails is made of two halves, and each of these again, up to
-    /// `halvings` times.
-    Halved {
-        /// Step (s).
-        step: f64,
-        /// How often a step may be halved.
-        halvings: u32,
-    },
-    /// Steps of this share of the longest stable one, for explicit methods.
-    Stable(f64),
-    /// Steps by local error control.
-    Adaptive(Adaptive),
-}
-
-/// Error-controlled stepping: a step is accepted when its relative local error `e` is below the
-/// tolerance, and the next is `safety dt (tolerance / e)^(i/k) (e_before / e)^(p/k)` with the power
-/// `k` of the step that the error follows, an integral and a proportional gain (Gustafsson 1991).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Adaptive {
-    /// Relative local error allowed: in a step, or in a second if [`per_second`](Self::per_second)
-    /// is set.
-    pub tolerance: f64,
-    /// Whether the tolerance is for the sum of the errors of the steps of one second, not for each
-    /// step: the error at a given time is then proportional to the tolerance.
-    pub per_second: bool,
-    /// First step (s).
-    pub first: f64,
-    /// Longest step (s).
-    pub longest: f64,
-    /// Shortest step (s): below it the run ends with an error.
-    pub shortest: f64,
-    /// Factor applied to the step that would just meet the tolerance.
-    pub safety: f64,
-    /// Integral and proportional gain. Without the second (the paper's procedure) steps follow the
-    /// error at once, with it they follow smoothly and fewer are rejected.
-    pub gains: [f64; 2],
-    /// Displacements, as a share of the size of the structure, below which the error is measured
-    /// against this share and no longer against the motion: motions far smaller than it are not
-    /// resolved. The motion is the largest so far.
-    pub least_motion: f64,
-}
-
-impl Adaptive {
-    /// Error control to `tolerance` per step, the procedure of the paper
-    /// (`0.8 dt (tolerance / error)^(1/3)`), with usual limits: first step 10 us, steps between
-    /// 1 ns and 0.1 s, least motion a millionth of the structure.
-    pub fn to(tolerance: f64) -> Self {
-        Self {
-            tolerance,
-            per_second: false,
-            first: 1e-5,
-            longest: 0.1,
-            shortest: 1e-9,
-            safety: 0.8,
-            gains: [1.0, 0.0],
-            least_motion: 1e-6,
-        }
-    }
-
-    /// Error control to `tolerance` per second by proportional and integral gains: the error at a
-    /// given time is proportional to the tolerance, by the factor to which the motion lets errors
-    /// grow.
-    pub fn per_second(tolerance: f64) -> Self {
-        Self {
-            per_second: true,
-            safety: 0.9,
-            gains: [0.3, 0.4],
-            ..Self::to(tolerance)
-        }
-    }
-}
 
 /// What a run took so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -100,77 +25,6 @@ pub struct RunReport {
     pub iterations: usize,
     /// Tangents evaluated in them.
     pub tangents: usize,
-}
-
-/// An accepted step, as observers see it.
-#[derive(Debug, Clone, Copy)]
-pub struct Step<'a, R> {
-    /// State at the start of the step.
-    pub before: &'a State<R>,
-    /// State at its end.
-    pub after: &'a State<R>,
-    /// Order of the method, which that of the interpolation follows.
-    pub(super) order: i32,
-}
-
-impl<R: Real> Step<'_, R> {
-    /// Whether a time (s) lies within the step: after its start, up to its end.
-    pub fn contains(&self, time: R) -> bool {
-        time > self.before.time && time <= self.after.time
-    }
-
-    /// Displacement of coordinate `i` at a time (s) within the step, by Hermite interpolation: cubic
-    /// from displacements and velocities (error of the fourth order in the step), quintic from
-    /// accelerations, too (sixth order), where the method is of the fifth order or more.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchCoordinate`] when the structure has no coordinate `i`.
-    pub fn displacement_at(&self, time: R, i: usize) -> Result<R> {
-        let size = self.after.displacement.len();
-        if i >= size {
-            return Err(Error::NoSuchCoordinate { index: i, size });
-        }
-        let (before, after) = (self.before, self.after);
-        let step = after.time - before.time;
-        let x = (time - before.time) / step;
-        let y = R::one() - x;
-        let (two, three) = (R::lit(2.0), R::lit(3.0));
-        let (u0, u1) = (before.displacement[i], after.displacement[i]);
-        let (v0, v1) = (before.velocity[i], after.velocity[i]);
-        let cubic = x * x * (three - two * x) * (u1 - u0) + step * x * y * (y * v0 - x * v1);
-        if self.order < 5 {
-            return Ok(u0 + cubic);
-        }
-        // What the cubic misses of the accelerations at both ends.
-        let six = R::lit(6.0);
-        let mean = (u1 - u0) / step;
-        let a0 = (six * mean - R::lit(4.0) * v0 - two * v1) / step;
-        let a1 = (two * v0 + R::lit(4.0) * v1 - six * mean) / step;
-        let missed = y * (before.acceleration[i] - a0) + x * (after.acceleration[i] - a1);
-        let bubble = x * x * y * y * step * step * R::lit(0.5);
-        Ok(u0 + cubic + bubble * missed)
-    }
-}
-
-/// What an observer may return: nothing, or a [`Result`] whose error ends the run after the step.
-pub trait Observation {
-    /// The observation as a result.
-    ///
-    /// # Errors
-    /// The observer's own.
-    fn result(self) -> Result<()>;
-}
-
-impl Observation for () {
-    fn result(self) -> Result<()> {
-        Ok(())
-    }
-}
-
-impl Observation for Result<()> {
-    fn result(self) -> Result<()> {
-        self
-    }
 }
 
 /// A run in progress: a structure, a method with its workspace, and the state it has reached.
@@ -460,25 +314,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
     ) -> Result<bool> {
-        for (what, value) in [
-            ("tolerance of the local error", control.tolerance),
-            ("first time step [s]", control.first),
-            ("longest time step [s]", control.longest),
-            ("shortest time step [s]", control.shortest),
-            ("safety factor of the step control", control.safety),
-            ("integral gain of the step control", control.gains[0]),
-            ("least motion of the error control", control.least_motion),
-        ] {
-            positive(what, value)?;
-        }
-        if !(0.0..=1.0).contains(&control.gains[1]) {
-            return Err(Error::OutOfRange {
-                what: "proportional gain of the step control",
-                value: control.gains[1],
-                range: "0 to 1",
-                remedy: "use Adaptive::to (none) or Adaptive::per_second (0.4)",
-            });
-        }
+        control.check()?;
         let mut step = self.proposed.unwrap_or(R::lit(control.first));
         while let Some(left) = self.left(end) {
             step = step.smaller(R::lit(control.longest));
@@ -488,7 +324,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             let trial = even(left, step);
             let (factor, refused) = match self.attempt(trial) {
                 Ok(()) => {
-                    let (accepted, factor) = self.judge(control, trial);
+                    let (accepted, factor) = self.judge(control);
                     if accepted && self.take(trial, None, watch, observe)? {
                         return Ok(true);
                     }
@@ -521,22 +357,18 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     }
 
     /// Whether the step just tried meets the tolerance, and the factor for the next.
-    fn judge(&mut self, control: &Adaptive, step: R) -> (bool, f64) {
+    fn judge(&mut self, control: &Adaptive) -> (bool, f64) {
         let (error, size) = self.method.error(self.structure, &self.state, &self.next);
         let size = self.motion.larger(size);
-        let mut error = (error / size.larger(R::lit(control.least_motion))).value();
-        let mut order = self.method.error_order();
-        if control.per_second {
-            error /= step.value();
-            order -= 1;
-        }
+        let error = (error / size.larger(R::lit(control.least_motion))).value();
+        let order = f64::from(self.method.error_order());
         if !error.is_finite() {
             self.report.failed += 1;
             return (false, 0.25);
         }
         // No error at all lets the step grow a hundredfold at most.
         let share = (error / control.tolerance).max(1e-6);
-        let [integral, proportional] = control.gains.map(|gain| gain / f64::from(order.max(1)));
+        let [integral, proportional] = control.gains.map(|gain| gain / order);
         let trend = (self.error / share).powf(proportional);
         let factor = control.safety * share.powf(-integral) * trend;
         if error <= control.tolerance {
@@ -545,7 +377,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             (true, factor.clamp(0.3, 2.0))
         } else {
             self.report.rejected += 1;
-            let factor = control.safety * share.powf(-1.0 / f64::from(order.max(1)));
+            let factor = control.safety * share.powf(-1.0 / order);
             (false, factor.clamp(0.1, 0.9))
         }
     }

@@ -19,15 +19,19 @@ mod event;
 mod explicit;
 mod midpoint;
 mod newmark;
+mod observe;
+mod stepping;
 
 pub use collocation::{Collocation, CollocationMethod};
-pub use driver::{Adaptive, Integration, Observation, RunReport, Step, Stepping};
+pub use driver::{Integration, RunReport};
 pub use energy_momentum::{EnergyMomentum, EnergyMomentumMethod};
 
 pub use event::Crossing;
 pub use explicit::{CentralDifference, CentralDifferenceMethod};
 pub use midpoint::{Midpoint, MidpointMethod};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
+pub use observe::{Observation, Step};
+pub use stepping::{Adaptive, Stepping};
 
 use crate::error::{Error, Result};
 use crate::scalar::Real;

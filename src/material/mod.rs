@@ -61,6 +61,20 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         mean
     }
 
+    /// Derivative of the [`secant`](Self::secant) stress by the strain `to`, as
+    /// [`elasticity`](Self::elasticity) is that of the stress.
+    #[inline(always)]
+    fn secant_elasticity<T: Algebra<R>>(
+        &self,
+        from: &Tensor<T, D>,
+        to: &Tensor<T, D>,
+    ) -> Blocks<T, D> {
+        match D {
+            2 => derived_secant_elasticity::<R, T, Self, D, 3>(self, from, to),
+            _ => derived_secant_elasticity::<R, T, Self, D, 6>(self, from, to),
+        }
+    }
+
     /// Elasticity `C[a][e][b][f] = dS[a][e] / dE[b][f]` (Pa), with both minor symmetries.
     #[inline(always)]
     fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D> {
@@ -160,7 +174,29 @@ where
     T: Algebra<R>,
     M: Material<R, D>,
 {
-    let stress = material.stress(&varied::<R, T, D, N>(strain));
+    by_strain(&material.stress(&varied::<R, T, D, N>(strain)))
+}
+
+#[inline(always)]
+fn derived_secant_elasticity<R, T, M, const D: usize, const N: usize>(
+    material: &M,
+    from: &Tensor<T, D>,
+    to: &Tensor<T, D>,
+) -> Blocks<T, D>
+where
+    R: Real,
+    T: Algebra<R>,
+    M: Material<R, D>,
+{
+    let from = from.map(|row| row.map(|x| x.constant::<N>()));
+    by_strain(&material.secant(&from, &varied::<R, T, D, N>(to)))
+}
+
+/// Derivatives of a stress by the strain whose variations it carries.
+#[inline(always)]
+fn by_strain<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
+    stress: &Tensor<T::Dual<N>, D>,
+) -> Blocks<T, D> {
     let mut elasticity = [[[[T::zero(); D]; D]; D]; D];
     for (k, (b, f)) in pairs::<D>() {
         for a in 0..D {

@@ -4,7 +4,7 @@
 use super::{Blocks, Material, Moduli, PoissonSplit, Tensor};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, between};
+use crate::tensor::{add_scaled, between, times};
 
 /// Linear elastic material with orthotropic moduli: a matrix of normal moduli and one shear
 /// modulus per pair of axes. Isotropic by [`isotropic`](Self::isotropic).
@@ -126,6 +126,16 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
     #[inline(always)]
     fn secant<T: Algebra<R>>(&self, from: &Tensor<T, D>, to: &Tensor<T, D>) -> Tensor<T, D> {
         self.stress(&between(from, to, R::lit(0.5)))
+    }
+
+    #[inline(always)]
+    fn secant_elasticity<T: Algebra<R>>(
+        &self,
+        from: &Tensor<T, D>,
+        _to: &Tensor<T, D>,
+    ) -> Blocks<T, D> {
+        let half = |row: [T; D]| times(R::lit(0.5), &row);
+        self.elasticity(from).map(|a| a.map(|e| e.map(half)))
     }
 
     #[inline(always)]

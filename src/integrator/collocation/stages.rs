@@ -1,0 +1,184 @@
+//! The stages of a step as one structure.
+
+use std::cell::RefCell;
+
+use super::tableau::{Tableau, weighted};
+use crate::error::Result;
+use crate::scalar::Real;
+use crate::solver::{Matrix, Structure, Unknowns};
+
+/// Unknowns and natural sizes of the stages.
+#[derive(Debug)]
+pub(super) struct Layout<R> {
+    pub(super) unknowns: Unknowns<R>,
+    pub(super) measure: Vec<R>,
+}
+
+impl<R: Real> Layout<R> {
+    pub(super) fn new<S: Structure<R>>(structure: &S, stages: usize) -> Result<Self> {
+        Ok(Self {
+            unknowns: structure.unknowns().repeated(stages)?,
+            measure: structure
+                .measure()
+                .iter()
+                .flat_map(|m| std::iter::repeat_n(*m, stages))
+                .collect(),
+        })
+    }
+}
+
+/// Vectors and a matrix of one stage.
+#[derive(Debug)]
+pub(super) struct Scratch<R> {
+    pub(super) u: Vec<R>,
+    pub(super) q: Vec<R>,
+    pub(super) matrix: Matrix<R>,
+}
+
+impl<R: Real> Scratch<R> {
+    /// Takes stage `i` out of the vector of all and clears the forces.
+    pub(super) fn stage(&mut self, all: &[R], i: usize, stages: usize) {
+        let own = all.iter().skip(i).step_by(stages);
+        for (u, value) in self.u.iter_mut().zip(own) {
+            *u = *value;
+        }
+        self.q.fill(R::zero());
+    }
+
+    /// Adds the forces of stage `i` to those of all.
+    pub(super) fn give(&self, all: &mut [R], i: usize, stages: usize) {
+        let own = all.iter_mut().skip(i).step_by(stages);
+        for (sum, q) in own.zip(&self.q) {
+            *sum += *q;
+        }
+    }
+
+    /// Puts stage `i` back into the vector of all.
+    pub(super) fn put(&self, all: &mut [R], i: usize, stages: usize) {
+        let own = all.iter_mut().skip(i).step_by(stages);
+        for (value, u) in own.zip(&self.u) {
+            *value = *u;
+        }
+    }
+
+    /// Shows every entry of the matrix, by unknowns.
+    pub(super) fn entries(
+        &self,
+        mut show: impl FnMut(usize, usize, R) -> Result<()>,
+    ) -> Result<()> {
+        let matrix = self.matrix.stored();
+        for i in 0..matrix.size() {
+            let (first, row) = matrix.row(i);
+            for (j, value) in (first..).zip(row) {
+                show(i, j, *value)?;
+                if matrix.is_symmetric() && i != j {
+                    show(j, i, *value)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The stages of a step as one structure.
+pub(super) struct Stages<'a, R, S> {
+    pub(super) structure: &'a S,
+    pub(super) tableau: &'a Tableau<R>,
+    pub(super) layout: &'a Layout<R>,
+    pub(super) step: R,
+    pub(super) scratch: RefCell<&'a mut Scratch<R>>,
+}
+
+impl<R: Real, S: Structure<R>> Stages<'_, R, S> {
+    fn count(&self) -> usize {
+        self.tableau.at.len()
+    }
+}
+
+impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
+    fn unknowns(&self) -> &Unknowns<R> {
+        &self.layout.unknowns
+    }
+    fn symmetric(&self) -> bool {
+        false
+    }
+    fn measure(&self) -> &[R] {
+        &self.layout.measure
+    }
+    fn add_internal(&self, u: &[R], q: &mut [R]) {
+        let mut scratch = self.scratch.borrow_mut();
+        for i in 0..self.count() {
+            scratch.stage(u, i, self.count());
+            let Scratch { u, q: own, .. } = &mut **scratch;
+            self.structure.add_internal(u, own);
+            scratch.give(q, i, self.count());
+        }
+    }
+    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        let mut scratch = self.scratch.borrow_mut();
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            scratch.stage(u, i, self.count());
+            let Scratch { u, q: own, .. } = &mut **scratch;
+            let time = time + self.step * *at;
+            self.structure.add_external(time, factor, u, own)?;
+            scratch.give(q, i, self.count());
+        }
+        Ok(())
+    }
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let mut scratch = self.scratch.borrow_mut();
+        let count = self.count();
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            scratch.stage(u, i, count);
+            let Scratch { u, matrix, .. } = &mut **scratch;
+            matrix.clear();
+            let time = time + self.step * *at;
+            self.structure.add_tangent(time, factor, u, matrix)?;
+            let k = k.stored_mut();
+            scratch.entries(|a, b, value| k.add(a * count + i, b * count + i, value))?;
+        }
+        Ok(())
+    }
+    fn name(&self, i: usize) -> String {
+        self.structure.name(i / self.count())
+    }
+    fn check(&self, u: &[R]) -> Result<()> {
+        let mut scratch = self.scratch.borrow_mut();
+        for i in 0..self.count() {
+            scratch.stage(u, i, self.count());
+            self.structure.check(&scratch.u)?;
+        }
+        Ok(())
+    }
+    fn has_mass(&self) -> bool {
+        self.structure.has_mass()
+    }
+    /// `M (A^2)^-1`: takes displacements of the stages, per square of the step, to inertia forces.
+    fn add_mass_times(&self, factor: R, x: &[R], out: &mut [R]) {
+        let mut scratch = self.scratch.borrow_mut();
+        for (i, inverse) in self.tableau.inverse.iter().enumerate() {
+            scratch.stage(x, i, self.count());
+            let Scratch { u, q, .. } = &mut **scratch;
+            for (u, all) in u.iter_mut().zip(x.chunks_exact(self.count())) {
+                *u = weighted(inverse, all);
+            }
+            self.structure.add_mass_times(factor, u, q);
+            scratch.give(out, i, self.count());
+        }
+    }
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
+        let mut scratch = self.scratch.borrow_mut();
+        let count = self.count();
+        scratch.matrix.clear();
+        self.structure.add_mass(factor, &mut scratch.matrix)?;
+        let k = k.stored_mut();
+        scratch.entries(|a, b, value| {
+            for (i, row) in self.tableau.inverse.iter().enumerate() {
+                for (j, inverse) in row.iter().enumerate() {
+                    k.add(a * count + i, b * count + j, value * *inverse)?;
+                }
+            }
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,11 @@
+//! Claims about every integrator: orders, conservation, dissipation, stability, step control, events
+//! and what is refused, on structures of one unknown and on beams.
+
+mod conservation;
+mod control;
+mod dissipation;
+mod flying;
+mod models;
+mod order;
+mod refusals;
+mod secant;
