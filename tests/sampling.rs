@@ -17,6 +17,7 @@ where
         0.2,
         std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
     );
+    formulation.check(&FullyParameterised, section)?;
     formulation.kernel(&FullyParameterised, &reference, section)
 }
 

@@ -3,7 +3,6 @@
 //! here, each given by its energy alone.
 
 use super::change::changes;
-use super::rank::{check_rank, stocky_length};
 use super::sampled::{Sample, SampledKernel};
 use super::{Formulation, Reference, SectionLaw};
 use crate::element::Element;
@@ -130,29 +129,6 @@ impl<R: Real> EulerBernoulli<R> {
         }
         Ok((young * p.area, young * p.izz))
     }
-
-    fn unchecked<E: Element<D, S>, const D: usize, const S: usize>(
-        &self,
-        element: &E,
-        reference: &Reference<R, D, S>,
-        section: &dyn Section<R>,
-    ) -> Result<CableKernel<R, D, S>> {
-        if D > 2 && !reference.is_straight() {
-            return Err(Error::Unsupported {
-                what: "a cable in space that is curved from the start".into(),
-                remedy: "without a section frame nothing says to which side it is curved: use an element with cross slopes, or a planar scene",
-            });
-        }
-        let (axial, bending) = self.stiffness(section, D)?;
-        let samples = [Sample::First(0), Sample::Second(0, 0)];
-        let stretching = CableSection::Stretching(self.energy, axial);
-        let bending = CableSection::Bending(self.energy, bending);
-        let mut kernel = SampledKernel::new();
-        for (law, points) in [(stretching, self.stretching), (bending, self.bending)] {
-            kernel = kernel.with_part(element, reference, law, samples, &gauss_legendre(points)?);
-        }
-        Ok(kernel)
-    }
 }
 
 /// Kernel of an [`EulerBernoulli`] beam.
@@ -170,18 +146,25 @@ impl<R: Real, E: Element<D, S>, const D: usize, const S: usize> Formulation<R, E
         reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
-        check_rank(
-            element,
-            stocky_length(section)?,
-            |trial, reference| match trial {
-                None => self.unchecked(element, reference, section),
-                Some((axial, _)) => {
-                    let trial = self.sampled(axial, axial);
-                    trial.unchecked(element, reference, section)
-                }
-            },
-        )?;
-        self.unchecked(element, reference, section)
+        if D > 2 && !reference.is_straight() {
+            return Err(Error::Unsupported {
+                what: "a cable in space that is curved from the start".into(),
+                remedy: "without a section frame nothing says to which side it is curved: use an element with cross slopes, or a planar scene",
+            });
+        }
+        let (axial, bending) = self.stiffness(section, D)?;
+        let samples = [Sample::First(0), Sample::Second(0, 0)];
+        let stretching = CableSection::Stretching(self.energy, axial);
+        let bending = CableSection::Bending(self.energy, bending);
+        let mut kernel = SampledKernel::new();
+        for (law, points) in [(stretching, self.stretching), (bending, self.bending)] {
+            kernel = kernel.with_part(element, reference, law, samples, &gauss_legendre(points)?);
+        }
+        Ok(kernel)
+    }
+
+    fn resampled(&self, axial: usize, _section_degree: usize) -> Option<Self> {
+        Some(self.sampled(axial, axial))
     }
 }
 

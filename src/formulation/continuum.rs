@@ -217,7 +217,7 @@ pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> =
     SampledKernel<R, ContinuumSection<R, M, D>, D, S, K>;
 
 impl<M> Continuum<M> {
-    fn unchecked<R, E, const D: usize, const S: usize, const K: usize>(
+    fn sampled_kernel<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
         reference: &Reference<R, D, S>,
@@ -270,18 +270,6 @@ impl<M> Continuum<M> {
         }
         Ok(kernel)
     }
-
-    /// The same layers, all sampled with the given orders.
-    fn resampled(&self, axial: usize, section_degree: usize) -> Self
-    where
-        M: Clone,
-    {
-        Self::layered(self.layers.iter().map(|layer| Layer {
-            material: layer.material.clone(),
-            axial,
-            across: Across::Degree(section_degree),
-        }))
-    }
 }
 
 /// The centroid `(0, y[, z])` (m) with the area (m^2) as its weight.
@@ -313,15 +301,19 @@ macro_rules! dimension {
                 reference: &Reference<R, $d, S>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
-                let stocky = &Stocky::new(section)?;
-                check_rank(element, R::one(), |trial, reference| match trial {
-                    None => self.unchecked::<R, E, $d, S, $k>(element, reference, stocky),
-                    Some((axial, degree)) => {
-                        let trial = self.resampled(axial, degree);
-                        trial.unchecked::<R, E, $d, S, $k>(element, reference, stocky)
-                    }
-                })?;
-                self.unchecked(element, reference, section)
+                self.sampled_kernel(element, reference, section)
+            }
+
+            fn resampled(&self, axial: usize, section_degree: usize) -> Option<Self> {
+                Some(Self::layered(self.layers.iter().map(|layer| Layer {
+                    material: layer.material.clone(),
+                    axial,
+                    across: Across::Degree(section_degree),
+                })))
+            }
+
+            fn check(&self, element: &E, section: &dyn Section<R>) -> Result<()> {
+                check_rank(self, element, R::one(), &Stocky::new(section)?)
             }
         }
     };

@@ -191,14 +191,36 @@ pub trait Formulation<R: Real, E: Element<D, S>, const D: usize, const S: usize>
     /// The kernel of one element of this reference geometry.
     ///
     /// # Errors
-    /// Whatever is wrong with the sampling asked for, above all a rule that leaves zero-energy
-    /// modes ([`Error::ZeroEnergyModes`]).
+    /// Whatever is wrong with the sampling asked for.
     fn kernel(
         &self,
         element: &E,
         reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel>;
+
+    /// The same with this many axial points and this section degree, where it has such orders:
+    /// what [`check`](Self::check) looks for orders that suffice with. None by default.
+    fn resampled(&self, _axial: usize, _section_degree: usize) -> Option<Self>
+    where
+        Self: Sized,
+    {
+        None
+    }
+
+    /// Refuses a sampling that leaves zero-energy modes beyond the rigid ones, by the rank of the
+    /// tangent on a straight and stocky element, where slenderness does not blur it. A beam asks
+    /// once, whatever its shape and the number of its elements.
+    ///
+    /// # Errors
+    /// [`Error::ZeroEnergyModes`] with the orders that suffice, and those of
+    /// [`kernel`](Self::kernel).
+    fn check(&self, element: &E, section: &dyn Section<R>) -> Result<()>
+    where
+        Self: Sized,
+    {
+        rank::check_rank(self, element, rank::stocky_length(section)?, section)
+    }
 }
 
 impl<R, E, F, const D: usize, const S: usize> Formulation<R, E, D, S> for &F
@@ -216,6 +238,10 @@ where
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
         (**self).kernel(element, reference, section)
+    }
+
+    fn check(&self, element: &E, section: &dyn Section<R>) -> Result<()> {
+        (**self).check(element, section)
     }
 }
 

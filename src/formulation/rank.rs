@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{ElementKernel, Reference};
+use super::{ElementKernel, Formulation, Reference};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, positive};
 use crate::quadrature::Cubature;
@@ -18,38 +18,39 @@ const ZERO_SINGLE: f64 = 1e-5;
 /// Orders tried when looking for sufficient ones.
 const TRIALS: usize = 8;
 
-/// Refuses a sampling that leaves zero-energy modes beyond the rigid ones. `make` builds the
-/// kernel on a reference of the given length (m), with the orders as asked (`None`) or with the
-/// given number of axial points and section degree.
-pub(super) fn check_rank<R, E, Kn, const D: usize, const S: usize>(
+/// Refuses a formulation whose sampling leaves zero-energy modes beyond the rigid ones on a
+/// straight element of the given length (m).
+pub(super) fn check_rank<R, E, F, const D: usize, const S: usize>(
+    formulation: &F,
     element: &E,
     length: R,
-    make: impl Fn(Option<(usize, usize)>, &Reference<R, D, S>) -> Result<Kn>,
+    section: &dyn Section<R>,
 ) -> Result<()>
 where
     R: Real,
     E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
+    F: Formulation<R, E, D, S>,
 {
     let axes =
         std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }));
     let reference = Reference::straight(element, length, axes);
     let size = S * D;
     let target = size - rigid_modes::<R, E, D, S>(&reference);
-    let rank_of = |trial| -> Result<usize> {
-        Ok(rank::<R, E, Kn, D, S>(
-            &make(trial, &reference)?,
-            &reference,
-        ))
+    let rank_of = |trial: &F| -> Result<usize> {
+        let kernel = trial.kernel(element, &reference, section)?;
+        Ok(rank::<R, E, _, D, S>(&kernel, &reference))
     };
-    let rank = rank_of(None)?;
+    let rank = rank_of(formulation)?;
     if rank >= target {
         return Ok(());
     }
     let mut sufficient = None;
     'search: for degree in (1..TRIALS).step_by(2) {
         for axial in 1..=TRIALS {
-            if rank_of(Some((axial, degree)))? >= target {
+            let Some(trial) = formulation.resampled(axial, degree) else {
+                break 'search;
+            };
+            if rank_of(&trial)? >= target {
                 sufficient = Some((axial, degree));
                 break 'search;
             }

@@ -5,7 +5,6 @@
 use num_traits::{One, Zero};
 
 use super::change::{Change, changes};
-use super::rank::{check_rank, stocky_length};
 use super::sampled::{SampledKernel, section_samples};
 use super::{Formulation, Reference, SectionLaw};
 use crate::element::Element;
@@ -150,22 +149,6 @@ impl<R: Real> StructuralMechanics<R> {
         stiffness.torsion = self.torsion.unwrap_or(stiffness.torsion);
         checked(stiffness)
     }
-
-    fn unchecked<E: Element<D, S>, const D: usize, const S: usize, const K: usize>(
-        &self,
-        element: &E,
-        reference: &Reference<R, D, S>,
-        section: &dyn Section<R>,
-    ) -> Result<StructuralKernel<R, D, S, K>> {
-        let stiffness = self.stiffness(section)?;
-        let samples = section_samples(element, reference.length)?;
-        let along = gauss_legendre(self.axial.unwrap_or(E::AXIAL_DEGREE))?;
-        let rod = StructuralSection::Rod(stiffness);
-        let shape = StructuralSection::Shape(stiffness.axial);
-        Ok(SampledKernel::new()
-            .with_part(element, reference, rod, samples, &along)
-            .with_part(element, reference, shape, samples, &at_nodes(E::NODES)?))
-    }
 }
 
 fn checked<R: Real>(stiffness: BeamStiffness<R>) -> Result<BeamStiffness<R>> {
@@ -216,11 +199,18 @@ macro_rules! dimension {
                 reference: &Reference<R, $d, S>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
-                check_rank(element, stocky_length(section)?, |trial, reference| {
-                    let rule = trial.map_or(*self, |(axial, _)| self.axial(axial));
-                    rule.unchecked::<E, $d, S, $k>(element, reference, section)
-                })?;
-                self.unchecked(element, reference, section)
+                let stiffness = self.stiffness(section)?;
+                let samples = section_samples(element, reference.length)?;
+                let along = gauss_legendre(self.axial.unwrap_or(E::AXIAL_DEGREE))?;
+                let rod = StructuralSection::Rod(stiffness);
+                let shape = StructuralSection::Shape(stiffness.axial);
+                Ok(SampledKernel::new()
+                    .with_part(element, reference, rod, samples, &along)
+                    .with_part(element, reference, shape, samples, &at_nodes(E::NODES)?))
+            }
+
+            fn resampled(&self, axial: usize, _section_degree: usize) -> Option<Self> {
+                Some(self.axial(axial))
             }
         }
     };

@@ -10,7 +10,7 @@ use num_dual::Dual;
 use crate::error::{Error, Result, finite};
 use crate::scalar::{Algebra, Field, Real};
 use crate::solver::Matrix;
-use crate::tensor::{cross, dot};
+use crate::tensor::{cross, dot, sum};
 
 pub(super) type Amplitude<R> = Arc<dyn Fn(R) -> R + Send + Sync>;
 
@@ -38,6 +38,12 @@ pub enum MomentLaw {
     /// Work-conjugate to the rotation of the polar decomposition of the gradient:
     /// `Q_k = w x d_k` with `(tr V I - V) w = m`, `d_k` the rotated axes and `V` the left stretch.
     PolarRotation,
+    /// Work-conjugate to the rotation of the section: bending turns its normal `n` along
+    /// `r_y x r_z`, torsion both cross slopes about it,
+    /// `Q_y = r_z x v + t n x r_y / |r_y|^2`, `Q_z = v x r_y + t n x r_z / |r_z|^2` with
+    /// `v = m x n / |r_y x r_z|` and `t = m.n / 2`. A moment of any direction that keeps it while
+    /// the section turns, for every element with cross slopes.
+    SectionRotation,
 }
 
 impl MomentLaw {
@@ -45,6 +51,7 @@ impl MomentLaw {
     pub(super) fn slopes(self, dimension: usize) -> Range<usize> {
         match self {
             Self::SlopeRotation(axis) | Self::FollowerCouple(axis) => axis..axis + 1,
+            Self::SectionRotation => 1..dimension,
             _ => 0..dimension,
         }
     }
@@ -54,7 +61,7 @@ impl MomentLaw {
     fn conservative(self, dimension: usize) -> bool {
         match self {
             Self::SlopeRotation(_) => true,
-            Self::MeanRotation | Self::PolarRotation => dimension == 2,
+            Self::MeanRotation | Self::PolarRotation | Self::SectionRotation => dimension == 2,
             _ => false,
         }
     }
@@ -112,6 +119,17 @@ impl MomentLaw {
                 let w = solve(&a, &m);
                 for k in 0..3 {
                     q[k] = cross(&w, &d[k]);
+                }
+            }
+            Self::SectionRotation => {
+                let area = cross(&p[1], &p[2]);
+                let per_area = square(&area).sqrt().recip();
+                let n = scaled(area, per_area);
+                let v = scaled(cross(&m, &n), per_area);
+                let half = T::lit(0.5) * dot(&m, &n);
+                for (a, bent) in [(1, cross(&p[2], &v)), (2, cross(&v, &p[1]))] {
+                    let twisted = scaled(cross(&n, &p[a]), half * square(&p[a]).recip());
+                    q[a] = sum(&bent, &twisted);
                 }
             }
         }
@@ -216,7 +234,9 @@ impl<R: Real> Moment<R> {
         let along = match self.law {
             MomentLaw::SlopeRotation(axis) | MomentLaw::FollowerCouple(axis) => axis,
             MomentLaw::TangentTraction | MomentLaw::PiolaTraction => 0,
-            MomentLaw::MeanRotation | MomentLaw::PolarRotation => return Ok(()),
+            MomentLaw::MeanRotation | MomentLaw::PolarRotation | MomentLaw::SectionRotation => {
+                return Ok(());
+            }
         };
         let lost: R = (0..D).map(|c| self.vector[c] * frame[along][c]).sum();
         let size = self.vector.iter().fold(R::zero(), |s, c| s + c.abs());

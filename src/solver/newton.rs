@@ -115,7 +115,7 @@ pub(crate) struct Workspace<R> {
     /// Right-hand side and solution by unknowns.
     unknown: Vec<R>,
     /// Another vector by unknowns.
-    rounding: Vec<R>,
+    rounded: Vec<R>,
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
@@ -132,6 +132,9 @@ const RUNAWAY: f64 = 1e4;
 const SLOW: f64 = 0.1;
 /// A residual that one iteration reduces by less has stopped falling.
 const STALLED: f64 = 0.3;
+/// Times a residual must have risen before it is taken for noise. One that falls slowly, by a
+/// wrong tangent, does not rise; one that rounding makes does every other time.
+const RISES: usize = 3;
 
 impl<R: Real> Workspace<R> {
     pub(crate) fn new<S: Structure<R> + ?Sized>(structure: &S) -> Self {
@@ -150,7 +153,7 @@ impl<R: Real> Workspace<R> {
             scratch: zeros(),
             moved: zeros(),
             unknown: vec![R::zero(); unknowns.count()],
-            rounding: vec![R::zero(); unknowns.count()],
+            rounded: vec![R::zero(); unknowns.count()],
         }
     }
 
@@ -178,6 +181,7 @@ impl<R: Real> Workspace<R> {
         let mut solved = Solved::default();
         let mut correction: Option<R> = None;
         let mut previous: Option<R> = None;
+        let mut rises = 0;
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
         self.moved.fill(R::zero());
@@ -195,7 +199,16 @@ impl<R: Real> Workspace<R> {
                 |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
             let small = balance.residual <= balance.scale * R::lit(settings.residual);
             let floor = self.floor + balance.scale * R::lit(8.0 * R::EPSILON);
-            let at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
+            let mut at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
+            if !fell_to(1.0) {
+                rises += 1;
+            }
+            // Only a solve that gets nowhere pays for this bound.
+            if !at_floor && rises >= RISES && corrected_by(settings.correction) {
+                self.tangent.clear();
+                structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
+                at_floor = balance.residual <= self.rounding(structure, structure.measure())?;
+            }
             if (small && corrected_by(settings.correction)) || at_floor {
                 solved.at_floor = !small;
                 if extra == 0 {
@@ -360,25 +373,13 @@ impl<R: Real> Workspace<R> {
         self.forget();
         self.tangent.clear();
         structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
-        let unknowns = structure.unknowns();
-        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-            *q = u[i];
-        }
-        let stored = self.tangent.stored();
-        stored.abs_mul_vec(&self.unknown, &mut self.rounding)?;
-        let measure = structure.measure();
-        let mut square = R::zero();
-        for (rounding, &i) in self.rounding.iter().zip(unknowns.free()) {
-            let part = *rounding * measure[i];
-            square += part * part;
-        }
-        self.floor = norm(square) * R::lit(R::EPSILON);
+        self.floor = self.rounding(structure, u)?;
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
         match self.factor.factor(self.tangent.stored()) {
             Err(Error::Singular { unknown, pivot }) => Err(Error::Mechanism {
-                coordinate: structure.name(unknowns.free()[unknown]),
+                coordinate: structure.name(structure.unknowns().free()[unknown]),
                 pivot,
             }),
             other => {
@@ -386,6 +387,25 @@ impl<R: Real> Workspace<R> {
                 other
             }
         }
+    }
+
+    /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:
+    /// with displacements, what the library's own strains leave; with the natural sizes of the
+    /// coordinates, what any law does that forms its strains from the whole of them.
+    fn rounding<S: Structure<R> + ?Sized>(&mut self, structure: &S, sizes: &[R]) -> Result<R> {
+        let unknowns = structure.unknowns();
+        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+            *q = sizes[i];
+        }
+        let stored = self.tangent.stored();
+        stored.abs_mul_vec(&self.unknown, &mut self.rounded)?;
+        let measure = structure.measure();
+        let mut square = R::zero();
+        for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
+            let part = *rounded * measure[i];
+            square += part * part;
+        }
+        Ok(norm(square) * R::lit(R::EPSILON))
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.

@@ -35,6 +35,7 @@ where
     X: Section<f64>,
 {
     let reference = Reference::straight(element, length, tilted());
+    formulation.check(element, section)?;
     let kernel = || formulation.kernel(element, &reference, section);
     let rest = reference.vectors;
     let mut bench = Bench::<_, E, D, S> {
@@ -71,13 +72,12 @@ where
     X: Section<f64>,
 {
     const FINEST: (usize, usize) = (5, 5);
-    let reference = Reference::straight(element, 1.0, tilted());
     let mut report = Report::new(format!("{element:?} in {D} dimensions on {section:?}"));
     for axial in 1..=FINEST.0 {
         for degree in (1..=FINEST.1).step_by(2) {
             let rule = Continuum::sampled(material.clone(), axial, degree);
-            let modes = match rule.kernel(element, &reference, section) {
-                Ok(_) => 0,
+            let modes = match rule.check(element, section) {
+                Ok(()) => 0,
                 Err(Error::ZeroEnergyModes { modes, .. }) => modes,
                 Err(error) => return Err(error),
             };

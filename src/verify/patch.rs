@@ -127,6 +127,9 @@ where
         let axes: Vec<usize> = (1..D)
             .filter(|&a| Self::has(NodalVector::Slope(a)))
             .collect();
+        if axes.is_empty() {
+            return free;
+        }
         let l = self.reference.length;
         for _ in 0..20 {
             let direction = |i: usize| match Self::vector(i) {
