@@ -5,17 +5,21 @@
 
 mod cable;
 mod change;
+mod co_moving;
 mod continuum;
 mod inertia;
 mod law;
 mod rank;
+mod relative;
 mod sampled;
 mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
+pub use co_moving::{CoMoving, CoMovingKernel};
 pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
+pub(crate) use sampled::derivatives;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
