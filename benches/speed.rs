@@ -11,13 +11,41 @@ use std::hint::black_box;
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
 use ancf::solver::{Factor, Matrix};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{
+    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
+};
 
 type Rule<const D: usize> =
     fn(SaintVenantKirchhoff<f64, D>) -> Continuum<SaintVenantKirchhoff<f64, D>>;
 
 fn rubber<const D: usize>() -> SaintVenantKirchhoff<f64, D> {
     SaintVenantKirchhoff::isotropic(2.0e7, 0.3).expect("admissible constants")
+}
+
+/// Force, and force with tangent, of one kernel.
+fn timed<R: Real, K: ElementKernel<R, D, S>, const D: usize, const S: usize>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    kernel: &K,
+    u: &[[R; D]; S],
+) {
+    group.bench_function(BenchmarkId::new("force", name), |b| {
+        b.iter(|| {
+            let mut q = [[R::zero(); D]; S];
+            kernel.force(black_box(u), &mut q);
+            q
+        });
+    });
+    group.bench_function(BenchmarkId::new("force and tangent", name), |b| {
+        let mut k: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+        b.iter(|| {
+            let mut q = [[R::zero(); D]; S];
+            kernel.tangent(black_box(u), &mut q, &mut k);
+            black_box(&k);
+            q
+        });
+    });
 }
 
 fn element<const D: usize, const S: usize>(c: &mut Criterion, name: &str)
@@ -43,23 +71,31 @@ where
         let kernel = make(rubber())
             .kernel(&FullyParameterised, &reference, &disk)
             .expect("a rule of full rank");
-        group.bench_function(BenchmarkId::new("force", rule), |b| {
-            b.iter(|| {
-                let mut q = [[0.0; D]; S];
-                kernel.force(black_box(&u), &mut q);
-                q
-            });
-        });
-        group.bench_function(BenchmarkId::new("force and tangent", rule), |b| {
-            let mut k: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
-            b.iter(|| {
-                let mut q = [[0.0; D]; S];
-                kernel.tangent(black_box(&u), &mut q, &mut k);
-                black_box(&k);
-                q
-            });
-        });
+        timed(&mut group, rule, &kernel, &u);
     }
+    group.finish();
+}
+
+/// What the co-moving frame costs a spatial element with full integration.
+fn co_moving<R: Real>(c: &mut Criterion, name: &str) {
+    let solid = SaintVenantKirchhoff::isotropic(R::lit(2.0e7), R::lit(0.3));
+    let rule = Continuum::full(solid.expect("admissible constants"));
+    let disk = Disk::new(R::lit(0.01)).expect("a radius");
+    let axis = |a| std::array::from_fn(|c| R::lit(if a == c { 1.0 } else { 0.0 }));
+    let frame = std::array::from_fn(axis);
+    let reference = Reference::straight(&FullyParameterised, R::lit(0.1), frame);
+    let u = |i| std::array::from_fn(|c| R::lit(1e-2 * ((3 * i + c + 1) as f64).sin()));
+    let u: [[R; 3]; 8] = std::array::from_fn(u);
+    let plain = rule.kernel(&FullyParameterised, &reference, &disk);
+    let moving = CoMoving(rule).kernel(&FullyParameterised, &reference, &disk);
+    let mut group = c.benchmark_group(name);
+    timed(
+        &mut group,
+        "plain",
+        &plain.expect("a rule of full rank"),
+        &u,
+    );
+    timed(&mut group, "co-moving", &moving.expect("the same"), &u);
     group.finish();
 }
 
@@ -138,6 +174,8 @@ fn factorisation(c: &mut Criterion) {
 fn all(c: &mut Criterion) {
     element::<3, 8>(c, "spatial element");
     element::<2, 6>(c, "planar element");
+    co_moving::<f32>(c, "co-moving frame, f32");
+    co_moving::<f64>(c, "co-moving frame, f64");
     steps::<3, 8>(c, "pendulum in space, 10 elements");
     steps::<2, 6>(c, "pendulum in the plane, 10 elements");
     factorisation(c);

@@ -49,12 +49,12 @@
 //! | [`section`] | cross-sections: rectangle, disk, annulus, ellipse, rolled profiles, moments alone, anything given by its outline |
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
-//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics |
+//! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
 //! | [`analytical`] | exact solutions to test against |
-//! | [`verify`] | checks of your own elements, sections, materials and derivatives |
+//! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
 
 pub mod analytical;
 pub mod element;
@@ -77,7 +77,8 @@ pub mod prelude {
     pub use crate::element::{Cable, Element, FullyParameterised, NodalVector, Quadratic};
     pub use crate::error::{Error, Result};
     pub use crate::formulation::{
-        Across, BeamStiffness, Continuum, EulerBernoulli, Formulation, Layer, StructuralMechanics,
+        Across, BeamStiffness, CoMoving, Continuum, EulerBernoulli, Formulation, Layer,
+        StructuralMechanics,
     };
     pub use crate::integrator::{
         Adaptive, CentralDifference, Collocation, Crossing, EnergyMomentum, Estimator, Integration,

@@ -7,7 +7,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, HyperDual};
+use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, DualStruct, HyperDual};
 use num_traits::{Float, FloatConst, One, Zero};
 
 mod jet;
@@ -81,6 +81,8 @@ pub trait Field: Scalar + Div<Output = Self> + DivAssign {
     fn sin(self) -> Self;
     /// Cosine.
     fn cos(self) -> Self;
+    /// The same value as a constant: without derivatives, to double precision at least.
+    fn frozen(self) -> Self;
     /// Power with a constant exponent, for positive numbers.
     fn powf(self, exponent: f64) -> Self {
         (self.ln() * Self::lit(exponent)).exp()
@@ -188,6 +190,10 @@ macro_rules! field {
             #[inline(always)]
             fn cos(self) -> Self {
                 DualNum::cos(&self)
+            }
+            #[inline(always)]
+            fn frozen(self) -> Self {
+                Self::from(DualStruct::re(&self))
             }
         }
     };

@@ -22,7 +22,7 @@ fn a_step_allocates_nothing() {
 
     let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.3).unwrap();
     let disk = Disk::new(0.01).unwrap();
-    let formulation = Continuum::selective_reduced(rubber);
+    let formulation = CoMoving(Continuum::selective_reduced(rubber));
     let build = |moment: bool| {
         let mut scene = Scene::<f64, 3>::new();
         let beam = Beam::new(FullyParameterised, disk, formulation.clone())

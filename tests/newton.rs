@@ -3,7 +3,7 @@
 
 use ancf::material::Tensor;
 use ancf::prelude::*;
-use ancf::solver::{BandMatrix, Profile, StaticReport};
+use ancf::solver::{Matrix, Profile, StaticReport, Unknowns};
 
 /// Mooney and Rivlin's law in the invariants of `C = 1 + 2 E`, as in the book: at small strains
 /// it forms differences of numbers near one and loses all but a few digits of the stress.
@@ -66,7 +66,7 @@ fn a_material_that_cancels_ends_at_its_rounding() {
 
 /// A spring whose force is known to a few digits only, and its tangent with an error.
 struct Spring {
-    profile: Profile,
+    unknowns: Unknowns<f64>,
     /// The force is a multiple of this (N).
     grain: f64,
     /// The tangent given over the true one.
@@ -74,8 +74,8 @@ struct Spring {
 }
 
 impl Structure<f64> for Spring {
-    fn profile(&self) -> &Profile {
-        &self.profile
+    fn unknowns(&self) -> &Unknowns<f64> {
+        &self.unknowns
     }
     fn symmetric(&self) -> bool {
         true
@@ -94,22 +94,22 @@ impl Structure<f64> for Spring {
         q[0] += factor / 3.0;
         Ok(())
     }
-    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut Matrix<f64>) -> Result<()> {
         k.add(0, 0, self.tangent * (1.0 + 3.0 * u[0] * u[0]))
     }
     fn has_mass(&self) -> bool {
         false
     }
     fn add_mass_times(&self, _: f64, _: &[f64], _: &mut [f64]) {}
-    fn add_mass(&self, _: f64, _: &mut BandMatrix<f64>) -> Result<()> {
+    fn add_mass(&self, _: f64, _: &mut Matrix<f64>) -> Result<()> {
         Ok(())
     }
 }
 
 fn stretch(grain: f64, tangent: f64) -> Result<(StaticReport, f64)> {
-    let profile = Profile::from_ranges(1, [0..1]).unwrap();
+    let unknowns = Unknowns::all(Profile::from_ranges(1, [0..1]).unwrap());
     let spring = Spring {
-        profile,
+        unknowns,
         grain,
         tangent,
     };

@@ -1,8 +1,7 @@
 //! Inertia of an element: the constant mass matrix and the constant first moments that carry
 //! gravity. Both need only scalars per pair of shape functions, whatever the dimension.
 
-use super::sampled::derivatives;
-use super::{Reference, section_points};
+use super::{Reference, derivatives, section_points};
 use crate::element::Element;
 use crate::error::{Result, positive};
 use crate::quadrature::gauss_legendre;

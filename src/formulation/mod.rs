@@ -5,19 +5,23 @@
 
 mod cable;
 mod change;
+mod co_moving;
 mod continuum;
 mod inertia;
 mod law;
 mod moments;
 mod rank;
+mod relative;
 mod sampled;
 mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
+pub use co_moving::{CoMoving, CoMovingKernel};
 pub use continuum::{Across, Continuum, ContinuumKernel, ContinuumSection, Layer};
 pub use inertia::Inertia;
 pub use law::{PointSection, SectionLaw, SectionStiffness};
 pub use moments::MomentSection;
+pub(crate) use sampled::derivatives;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 

@@ -3,10 +3,14 @@
 //! a [`SectionLaw`] turns those into energy per unit length, and the derivatives come back by the
 //! transpose. Shape functions enter once per station, not once per section point, which is the
 //! paper's split of the volume integral (eq. 18) carried to its end.
+//!
+//! Positions enter by their differences from the element's first node: a strain never sees where
+//! the element is, and numbers of the size of the beam never meet those of its bending.
 
 use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
+use super::relative::Positions;
 use super::{ElementKernel, Reference, Tangent};
 use crate::element::Element;
 use crate::error::{Error, Result};
@@ -138,15 +142,22 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
 }
 
 /// Kernel of an element whose energy is a sum of laws, each sampled at stations of its own.
+///
+/// The forces on the positions of a complete element add up to zero, to the last digit for two
+/// nodes.
 #[derive(Debug, Clone)]
 pub struct SampledKernel<R, L, const D: usize, const S: usize, const K: usize> {
     parts: Vec<(L, Vec<Station<R, D, S, K>>)>,
+    positions: Positions,
 }
 
 impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R, L, D, S, K> {
     /// A kernel without energy; give it parts.
     pub fn new() -> Self {
-        Self { parts: Vec::new() }
+        Self {
+            parts: Vec::new(),
+            positions: Positions::default(),
+        }
     }
 
     /// Adds a law sampled by `samples` at the points of `axial`, a rule on [0, 1] along the
@@ -160,9 +171,11 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
         samples: [Sample; K],
         axial: &Cubature<R, 1>,
     ) -> Self {
+        self.positions = Positions::of::<E, D, S>();
         let nodal = &reference.vectors;
         let stations = axial.iter().map(|([xi], w)| {
-            let rows = operator(element, reference.length, xi, samples);
+            let mut rows = operator(element, reference.length, xi, samples);
+            let weight = w * reference.length;
             let vector = |row: &[R; S]| {
                 let mut g = [R::zero(); D];
                 for i in 0..S {
@@ -170,9 +183,13 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
                 }
                 g
             };
+            let reference = std::array::from_fn(|k| vector(&rows[k]));
+            for row in &mut rows {
+                make_relative(&self.positions, row);
+            }
             Station {
-                weight: w * reference.length,
-                reference: std::array::from_fn(|k| vector(&rows[k])),
+                weight,
+                reference,
                 rows: rows.map(Row::new),
             }
         });
@@ -197,10 +214,12 @@ where
 {
     #[inline]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        let mut u = *u;
+        self.positions.make_relative(&mut u);
         let mut energy = T::zero();
         for (law, stations) in &self.parts {
             for station in stations {
-                let density = law.energy(&station.reference, &station.sample(u));
+                let density = law.energy(&station.reference, &station.sample(&u));
                 energy += density.times(station.weight);
             }
         }
@@ -209,12 +228,16 @@ where
 
     #[inline]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        let mut u = *u;
+        self.positions.make_relative(&mut u);
+        let mut relative = [[T::zero(); D]; S];
         for (law, stations) in &self.parts {
             for station in stations {
-                let n = law.resultants(&station.reference, &station.sample(u));
-                station.scatter_force(&n, q);
+                let n = law.resultants(&station.reference, &station.sample(&u));
+                station.scatter_force(&n, &mut relative);
             }
         }
+        self.positions.add_force(relative, q);
     }
 
     #[inline]
@@ -224,13 +247,19 @@ where
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
+        let mut u = *u;
+        self.positions.make_relative(&mut u);
+        let mut force = [[T::zero(); D]; S];
+        let mut tangent = [[[[T::zero(); D]; S]; D]; S];
         for (law, stations) in &self.parts {
             for station in stations {
-                let (n, stiffness) = law.stiffness(&station.reference, &station.sample(u));
-                station.scatter_force(&n, q);
-                station.scatter_stiffness(&stiffness, k);
+                let (n, stiffness) = law.stiffness(&station.reference, &station.sample(&u));
+                station.scatter_force(&n, &mut force);
+                station.scatter_stiffness(&stiffness, &mut tangent);
             }
         }
+        self.positions.add_force(force, q);
+        self.positions.add_tangent(tangent, k);
     }
 
     fn has_strain(&self) -> bool {
@@ -245,13 +274,18 @@ where
         to: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
+        let (mut from, mut to) = (*from, *to);
+        self.positions.make_relative(&mut from);
+        self.positions.make_relative(&mut to);
+        let mut relative = [[T::zero(); D]; S];
         for (law, stations) in &self.parts {
             for station in stations {
-                let (from, to) = (station.sample(from), station.sample(to));
+                let (from, to) = (station.sample(&from), station.sample(&to));
                 let n = law.secant(viscosity, &station.reference, &from, &to);
-                station.scatter_force(&n, q);
+                station.scatter_force(&n, &mut relative);
             }
         }
+        self.positions.add_force(relative, q);
     }
 
     #[inline]
@@ -262,20 +296,43 @@ where
         to: &[[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
+        let (mut from, mut to) = (*from, *to);
+        self.positions.make_relative(&mut from);
+        self.positions.make_relative(&mut to);
+        let mut relative = [[[[T::zero(); D]; S]; D]; S];
         for (law, stations) in &self.parts {
             for station in stations {
-                let (from, to) = (station.sample(from), station.sample(to));
+                let (from, to) = (station.sample(&from), station.sample(&to));
                 let reference = &station.reference;
                 let stiffness = law.secant_stiffness(viscosity, reference, &from, &to);
-                station.scatter_all(&stiffness, k);
+                station.scatter_all(&stiffness, &mut relative);
             }
         }
+        self.positions.add_tangent(relative, k);
+    }
+}
+
+/// Turns a row over nodal vectors into one over those with relative positions. What the entries of
+/// the positions add up to stays with the first: nothing for a complete element.
+fn make_relative<R: Real, const S: usize>(positions: &Positions, row: &mut [R; S]) {
+    if let Some((first, others)) = positions.split::<S>() {
+        let (mut sum, mut size) = (row[first], row[first].abs());
+        for p in others {
+            sum += row[p];
+            size += row[p].abs();
+        }
+        let rounding = size * R::lit(64.0 * R::EPSILON);
+        row[first] = if sum.abs() <= rounding {
+            R::zero()
+        } else {
+            sum
+        };
     }
 }
 
 /// Second derivatives of the shape functions at a natural point, by the natural coordinates `a`
 /// and `b`; the first derivatives come along.
-pub(super) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+pub(crate) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
     point: [R; D],

@@ -172,6 +172,10 @@ impl<T: Field, const N: usize> Field for Jet<T, N> {
     fn cos(self) -> Self {
         self.chain(self.re.cos(), -self.re.sin())
     }
+    #[inline(always)]
+    fn frozen(self) -> Self {
+        Self::constant(self.re.frozen())
+    }
 }
 impl<R: Copy, T: Algebra<R>, const N: usize> Algebra<R> for Jet<T, N> {
     type Dual<const M: usize> = Jet<Self, M>;

@@ -39,6 +39,10 @@ macro_rules! lanes {
             fn cos(self) -> Self {
                 self.simd_cos()
             }
+            #[inline(always)]
+            fn frozen(self) -> Self {
+                self
+            }
         }
         impl Algebra<$r> for $t {
             // num-dual's numbers need an order, which lanes do not have.

@@ -11,6 +11,7 @@
 //! | [`section`] | rules against the outline |
 //! | [`material`], [`linear_elasticity`], [`isotropy`] | stress and elasticity against the energy |
 //! | [`jacobian`] and its kin | exact derivatives against finite differences, with the V-curve |
+//! | [`precision`] | digits lost in a number type, and the stage of a computation that loses them |
 //!
 //! ```
 //! use ancf::prelude::*;
@@ -29,9 +30,11 @@ mod inertia;
 mod jacobian;
 mod material;
 mod patch;
+mod precision;
 mod reduced;
 mod report;
 mod section;
+mod textbook;
 mod vibration;
 
 pub use element::element;
@@ -41,7 +44,9 @@ pub use jacobian::{
     structure_tangent,
 };
 pub use material::{isotropy, linear_elasticity, material};
+pub use precision::{Precision, PrecisionRow, Share, Staged, precision};
 pub use reduced::{ByEnergy, ByForce, ByStress};
 pub use report::{Limit, Report, Row};
 pub use section::section;
+pub use textbook::{Textbook, TextbookKernel};
 pub use vibration::{Rod, frequencies};
