@@ -1,7 +1,7 @@
 //! Claims about where the energy is sampled: which orders leave zero-energy modes, what the
 //! refusal says, and that exact rules agree with any finer one.
 
-use ancf::formulation::{ElementKernel, Reference};
+use ancf::formulation::{ContinuumKernel, ElementKernel, Reference};
 use ancf::prelude::*;
 
 fn kernel_of<const D: usize, const S: usize, F>(
@@ -201,4 +201,48 @@ fn flat_sections_and_extreme_poisson_ratios_have_full_rank() {
                 .is_err()
         );
     }
+}
+
+/// A formulation of one's own that says only how to make a kernel.
+#[derive(Debug, Clone)]
+struct Bare(Continuum<SaintVenantKirchhoff<f64, 2>>);
+
+impl Formulation<f64, FullyParameterised, 2, 6> for Bare {
+    type Kernel = ContinuumKernel<f64, SaintVenantKirchhoff<f64, 2>, 2, 6, 3>;
+
+    fn kernel(
+        &self,
+        element: &FullyParameterised,
+        reference: &Reference<f64, 2, 6>,
+        section: &dyn Section<f64>,
+    ) -> Result<Self::Kernel> {
+        self.0.kernel(element, reference, section)
+    }
+}
+
+/// It is checked without being asked to, by value and by reference; what would suffice it alone
+/// knows.
+#[test]
+fn formulations_of_ones_own_are_checked() {
+    let disk = Disk::new(0.02).unwrap();
+    let add = |axial| {
+        let bare = Bare(Continuum::sampled(steel(), axial, 3));
+        let mut scene = Scene::<f64, 2>::new();
+        let beam = Beam::new(FullyParameterised, disk, &bare);
+        let borrowed = scene.add(beam.straight([0.0; 2], [1.0, 0.0], 4)).err();
+        let beam = Beam::new(FullyParameterised, disk, bare.clone());
+        let owned = scene.add(beam.straight([0.0; 2], [1.0, 0.0], 4)).err();
+        assert_eq!(borrowed, owned);
+        owned
+    };
+    let refused = add(2).unwrap();
+    assert!(
+        matches!(refused, Error::ZeroEnergyModes { target: 9, .. }),
+        "{refused}"
+    );
+    assert!(
+        refused.to_string().contains("sample more points"),
+        "{refused}"
+    );
+    assert_eq!(add(3), None);
 }

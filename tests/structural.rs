@@ -135,6 +135,45 @@ fn moments_give_the_inertia_they_state() {
     assert!(degree.is_err());
 }
 
+/// Whatever the slopes of the node, stretched and skew as they may be, a moment on the section
+/// does the work of its vector in every rotation: the moments of its forces add up to it. Its
+/// tangent is the gradient of its forces.
+#[test]
+fn a_moment_on_the_section_has_the_resultant_it_states() {
+    let rule = StructuralMechanics::new(&steel::<3>());
+    let mut scene = Scene::<f64, 3>::new();
+    let beam = Beam::new(Quadratic, Rectangle::new(0.02, 0.02).unwrap(), rule);
+    let beam = scene
+        .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1))
+        .unwrap();
+    scene.clamp(beam.start()).unwrap();
+    let vector = [3e3, -7e3, 5e3];
+    let moment = Moment::new(vector, MomentLaw::SectionRotation);
+    scene.moment(beam.end(), moment).unwrap();
+    let system = scene.assemble().unwrap();
+    let size = system.reference().len();
+    let u: Vec<f64> = (0..size)
+        .map(|i| 0.3 * (2.0 * i as f64 + 1.0).sin())
+        .collect();
+    let mut q = vec![0.0; size];
+    system.add_external(0.0, 1.0, &u, &mut q).unwrap();
+    let mut sum = [0.0; 3];
+    for axis in [1, 2] {
+        let at = system.coordinate(beam.end(), NodalVector::Slope(axis));
+        let at = at.unwrap();
+        let slope = |c: usize| system.reference()[at + c] + u[at + c];
+        for c in 0..3 {
+            let (a, b) = ((c + 1) % 3, (c + 2) % 3);
+            sum[c] += slope(a) * q[at + b] - slope(b) * q[at + a];
+        }
+    }
+    for c in 0..3 {
+        assert!((sum[c] - vector[c]).abs() < 1e-10, "{sum:?}");
+    }
+    let tangent = ancf::verify::structure_tangent(&system, 0.0, &u).unwrap();
+    tangent.report(1e3).into_result().unwrap();
+}
+
 /// A planar arc of radius 1 m and angle 1 rad, with a density.
 fn arc<E, F, const S: usize>(element: E, formulation: F) -> (Scene<f64, 2>, Placed)
 where

@@ -47,10 +47,8 @@ where
     let mut sufficient = None;
     'search: for degree in (1..TRIALS).step_by(2) {
         for axial in 1..=TRIALS {
-            let Some(trial) = formulation.resampled(axial, degree) else {
-                break 'search;
-            };
-            if rank_of(&trial)? >= target {
+            let trial = formulation.resampled(axial, degree);
+            if trial.map_or(Ok(0), |trial| rank_of(&trial))? >= target {
                 sufficient = Some((axial, degree));
                 break 'search;
             }
@@ -67,7 +65,7 @@ where
                 )
             }
             None => {
-                "no higher order removes them: part of the material must have more stiffness".into()
+                "no other order tried removes them: sample more points, or give more stiffness to what has none".into()
             }
         },
     })
