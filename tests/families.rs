@@ -177,11 +177,16 @@ macro_rules! in_dimension {
         ] {
             let cable = EulerBernoulli::new(&rubber::<D>(0.3)).with_energy(energy);
             $visit!($check, Cable, cable, D, 4, { 4 * D });
+            $visit!($check, Cable, CoMoving(cable), D, 4, { 4 * D });
         }
         let rod = StructuralMechanics::new(&rubber::<D>(0.3));
         let solid = Continuum::selective_reduced(rubber::<D>(0.3));
         $visit!($check, Quadratic, rod, D, Q, { D * Q });
         $visit!($check, Quadratic, solid.clone().axial(2), D, Q, { D * Q });
+        $visit!($check, Quadratic, CoMoving(rod), D, Q, { D * Q });
+        $visit!($check, FullyParameterised, CoMoving(solid.clone()), D, P, {
+            D * P
+        });
         $visit!($check, FullyParameterised, rod, D, P, { D * P });
         $visit!($check, FullyParameterised, solid, D, P, { D * P });
     }};

@@ -5,6 +5,8 @@ use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
 use ancf::verify::{ByEnergy, ByForce, Precision, Staged, precision};
 use model::{Force, Form, Pose, turned};
+use num_traits::Zero;
+use simba::simd::WideF32x8;
 
 #[path = "../examples/precision_study/model.rs"]
 mod model;
@@ -216,6 +218,29 @@ fn families<R: Real>() {
 fn energy_force_and_tangent_belong_together_in_the_frame() {
     families::<f64>();
     families::<f32>();
+}
+
+/// Each lane turns with an element of its own.
+#[test]
+fn lanes_have_frames_of_their_own() {
+    let rubber = SaintVenantKirchhoff::<f32, 3>::isotropic(2e7, 0.3).unwrap();
+    let reference = reference::<f32, FullyParameterised, 3, 8>(&FullyParameterised, 0.4);
+    let rule = CoMoving(Continuum::full(rubber));
+    let disk = Disk::new(0.04).unwrap();
+    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    let turned = |lane: usize| state::<_, FullyParameterised, 3, 8>(&reference, 0.1, lane as f64);
+    let states: [_; 8] = std::array::from_fn(turned);
+    let lanes = |i: usize, c: usize| WideF32x8::from(states.map(|u| u[i][c]));
+    let u = std::array::from_fn(|i| std::array::from_fn(|c| lanes(i, c)));
+    let mut forces = [[WideF32x8::zero(); 3]; 8];
+    kernel.force(&u, &mut forces);
+    for (lane, u) in states.iter().enumerate() {
+        let mut q = [[0.0; 3]; 8];
+        kernel.force(u, &mut q);
+        let of_lane = forces.map(|q| q.map(|q| <[f32; 8]>::from(q.0)[lane]));
+        let rounding = 100.0 * f64::from(f32::EPSILON);
+        close("lane", of_lane.as_flattened(), q.as_flattened(), rounding);
+    }
 }
 
 /// `sqrt(1 + x^2) - 1` at a small `x` loses all digits, and to the stage that adds to one.
