@@ -33,8 +33,10 @@ fn parameters_out_of_range() {
         assert!(refusal(&Collocation::radau(stages)).contains("stages"));
     }
     assert!(refusal(&CentralDifference { renewal: 0 }).contains("frequency"));
-    let mut newton = Newton::default();
-    newton.iterations = 0;
+    let newton = Newton {
+        iterations: 0,
+        ..Newton::default()
+    };
     assert!(refusal(&Midpoint { newton }).contains("iteration"));
     assert!(refusal(&Collocation::gauss(2).with_newton(newton)).contains("iteration"));
     assert!(refusal(&EnergyMomentum::conserving().with_newton(newton)).contains("iteration"));
