@@ -67,6 +67,18 @@ fn stepping_out_of_range() {
         assert!(text.contains(named), "{text}");
         assert_eq!(run.state().time, 0.0);
     }
+    let text = run
+        .until_event(
+            1.0,
+            Stepping::Fixed(1e-3),
+            Crossing::Any,
+            |_| f64::NAN,
+            |_| {},
+        )
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("event is NaN"), "{text}");
+    assert_eq!(run.state().time, 0.0);
 }
 
 /// A potential without a secant.
