@@ -1,12 +1,11 @@
 //! Long runs with the energy-momentum method: the paper's pendulum of six elements through sixty
-//! seconds at a nominal step of 1 ms, where fixed steps of the trapezoidal rule are lost after some
-//! seconds, and a hundred thousand steps of a free beam:
+//! seconds at a nominal step of 1 ms, where the trapezoidal rule is lost after 14 s with a hundred
+//! times the energy there was, and a hundred thousand steps of a free beam:
 //! `cargo run --release --example long_run`.
 //!
 //! What it took: the force of a step is the one whose work is the change of energy, so no fast
 //! mode can grow; Newton's method goes to the residual that rounding leaves, because whatever
-//! residual remains does work in every step; what rounding cuts off positions and velocities is
-//! carried on, so that it does not add up; a guess that misleads Newton's method is replaced by a
+//! residual remains does work in every step; a guess that misleads Newton's method is replaced by a
 //! calmer one, and a step that fails all the same is made of two halves.
 //!
 //! Past some seconds the pendulum whips in all three dimensions and its energy spreads over modes
@@ -64,7 +63,7 @@ fn pendulum(scheme: &EnergyMomentum) -> Result<()> {
     Ok(())
 }
 
-/// A hundred thousand steps of a planar rod that forces have thrown up and set spinning.
+/// A hundred thousand steps of a planar rod that forces on its ends have set spinning, bent and sent off.
 fn free(scheme: &EnergyMomentum) -> Result<()> {
     let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.3)?;
     let mut scene = Scene::<f64, 2>::new();
@@ -76,6 +75,7 @@ fn free(scheme: &EnergyMomentum) -> Result<()> {
     let rod = scene.add(rod.straight([0.0, 0.0], [1.0, 0.0], 3).density(7200.0))?;
     let on = |t: f64| if t < 0.2 { 1.0 } else { 0.0 };
     scene.force_in_time(rod.end(), [5.0, 20.0], on)?;
+    scene.force_in_time(rod.start(), [-4.0, -18.0], on)?;
     scene.moment_in_time(rod.start(), Moment::about_z(0.3), on)?;
     let system = scene.assemble()?;
     let mut run = Integration::start(&system, system.rest(), scheme)?;

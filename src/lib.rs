@@ -52,7 +52,7 @@
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band factorisation, Newton's method, statics |
-//! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
+//! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
 

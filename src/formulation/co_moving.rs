@@ -238,6 +238,15 @@ where
     /// The rotation of a state, and its displacements in the frame that it turns.
     #[inline(always)]
     fn local<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> (Rotation<T, D>, [[T; D]; S]) {
+        let parts = self.parts(u);
+        let rotation = self.rotation(&self.frame(&parts.0, &parts.1));
+        let local = self.within(&rotation, &parts);
+        (rotation, local)
+    }
+
+    /// Nodal vectors of a state, on the grid and the rest.
+    #[inline(always)]
+    fn parts<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> ([[T; D]; S], [[T; D]; S]) {
         let (mut coarse, mut fine) = self.split(u);
         for i in 0..S {
             for c in 0..D {
@@ -245,7 +254,16 @@ where
                 fine[i][c] += T::lift(self.fine[i][c]);
             }
         }
-        let rotation = self.rotation(&self.frame(&coarse, &fine));
+        (coarse, fine)
+    }
+
+    /// Displacements in a frame turned by a rotation.
+    #[inline(always)]
+    fn within<T: Algebra<R>>(
+        &self,
+        rotation: &Rotation<T, D>,
+        (coarse, fine): &([[T; D]; S], [[T; D]; S]),
+    ) -> [[T; D]; S] {
         let mut local = [[T::zero(); D]; S];
         for i in 0..S {
             for k in 0..D {
@@ -258,7 +276,7 @@ where
         if let Some((first, _)) = self.positions.split::<S>() {
             local[first] = [T::zero(); D];
         }
-        (rotation, local)
+        local
     }
 
     /// Adds the force `Q q'`.
@@ -299,6 +317,26 @@ where
         let (rotation, u) = self.local(u);
         let mut force = [[T::zero(); D]; S];
         self.kernel.force(&u, &mut force);
+        self.add_force(&rotation, &force, q);
+    }
+
+    fn has_strain(&self) -> bool {
+        self.kernel.has_strain()
+    }
+
+    /// Both ends of the step in the frame of the last.
+    #[inline]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        let (rotation, to) = self.local(to);
+        let from = self.within(&rotation, &self.parts(from));
+        let mut force = [[T::zero(); D]; S];
+        self.kernel.secant(viscosity, &from, &to, &mut force);
         self.add_force(&rotation, &force, q);
     }
 

@@ -9,7 +9,8 @@ use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, between, cross, dot, gauss_pair, sum, times};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
-/// sampled vectors `a` and `b`. Only blocks with `a <= b` are used.
+/// sampled vectors `a` and `b`. Only blocks with `a <= b` are used,
+/// except of secants, which are not symmetric.
 pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]; K];
 
 /// Strain energy per unit length of a beam as a function of `K` sampled vectors in `D` dimensions.

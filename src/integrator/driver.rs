@@ -164,7 +164,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`until`](Self::until).
+    /// Those of [`until`](Self::until), and [`Error::NotFinite`] when the function is not finite.
     pub fn until_event<O: Observation>(
         &mut self,
         end: R,
@@ -251,7 +251,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
     ) -> Result<bool> {
-        let met = watch.meets(&self.state, &self.next);
+        let met = watch.meets(&self.state, &self.next)?;
         if let Some(distances) = met {
             let least = self.next.time.abs() * R::lit(4.0 * R::EPSILON);
             locate([R::zero(), step], distances, least, |part| {

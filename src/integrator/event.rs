@@ -1,6 +1,6 @@
 //! Events: functions of the state whose sign changes end a run at the moment they change.
 
-use crate::error::Result;
+use crate::error::{Result, finite};
 use crate::scalar::Real;
 use crate::solver::State;
 
@@ -20,7 +20,10 @@ pub enum Crossing {
 pub(super) trait Watch<R: Real> {
     /// How far before (negative) or behind the event a state is, if the step from `before` to
     /// `after` meets it.
-    fn meets(&mut self, before: &State<R>, after: &State<R>) -> Option<[R; 2]>;
+    ///
+    /// # Errors
+    /// When the function is not finite.
+    fn meets(&mut self, before: &State<R>, after: &State<R>) -> Result<Option<[R; 2]>>;
 
     /// How far before (negative) or behind the event a state is.
     fn distance(&mut self, state: &State<R>) -> R;
@@ -30,8 +33,8 @@ pub(super) trait Watch<R: Real> {
 pub(super) struct Never;
 
 impl<R: Real> Watch<R> for Never {
-    fn meets(&mut self, _before: &State<R>, _after: &State<R>) -> Option<[R; 2]> {
-        None
+    fn meets(&mut self, _before: &State<R>, _after: &State<R>) -> Result<Option<[R; 2]>> {
+        Ok(None)
     }
     fn distance(&mut self, _state: &State<R>) -> R {
         R::zero()
@@ -58,17 +61,20 @@ impl<R: Real, F: FnMut(&State<R>) -> R> Event<F, R> {
 }
 
 impl<R: Real, F: FnMut(&State<R>) -> R> Watch<R> for Event<F, R> {
-    fn meets(&mut self, before: &State<R>, after: &State<R>) -> Option<[R; 2]> {
+    fn meets(&mut self, before: &State<R>, after: &State<R>) -> Result<Option<[R; 2]>> {
         let ends = [(self.function)(before), (self.function)(after)];
+        for value in ends {
+            finite("function of the state whose zero is the event", value)?;
+        }
         let rises = |[a, b]: [R; 2]| a < R::zero() && b >= R::zero();
         let (up, down) = (ends, ends.map(|x| -x));
         let (sign, ends) = match self.crossing {
             Crossing::Rising | Crossing::Any if rises(up) => (R::one(), up),
             Crossing::Falling | Crossing::Any if rises(down) => (-R::one(), down),
-            _ => return None,
+            _ => return Ok(None),
         };
         self.sign = sign;
-        Some(ends)
+        Ok(Some(ends))
     }
 
     fn distance(&mut self, state: &State<R>) -> R {

@@ -13,7 +13,8 @@ pub struct State<R> {
     pub displacement: Vec<R>,
     /// Velocity of every coordinate (1/s).
     pub velocity: Vec<R>,
-    /// Acceleration of every coordinate (1/s^2).
+    /// Acceleration of every coordinate (1/s^2): at this time, or its mean over the last step after
+    /// methods whose forces are those of a whole step.
     pub acceleration: Vec<R>,
     /// Work of nodal forces and moments since the state was made (J) (gravity is a potential and
     /// counted apart).

@@ -30,7 +30,7 @@ fn departures(system: &System<f64, 2>, scheme: &impl Scheme<f64>, step: f64, end
     worst
 }
 
-/// Ten thousand steps of a thrown rod, bent by up to a radian, with 11 J in it: energy to
+/// Ten thousand steps of a free rod with 15 J in it, bent as it spins: energy to
 /// rounding, momenta to the digits of the numbers. (A hundred thousand steps are in the example
 /// `long_run`.)
 #[test]

@@ -6,6 +6,7 @@ mod control;
 mod dissipation;
 mod flying;
 mod models;
+mod numbers;
 mod order;
 mod refusals;
 mod secant;

@@ -170,8 +170,8 @@ pub fn soft() -> System<f64, 2> {
     scene.assemble().unwrap()
 }
 
-/// A free rubber rod of `n` elements that forces on one end, gone after 0.2 s, have thrown up,
-/// set spinning and bent.
+/// A free rubber rod of `n` elements that forces on its ends, gone after 0.2 s, have set spinning,
+/// bent and sent off slowly.
 pub fn thrown<F>(n: usize, formulation: F) -> System<f64, 2>
 where
     F: Formulation<f64, FullyParameterised, 2, 6>,
@@ -183,6 +183,9 @@ where
     let beam = scene.add(beam).unwrap();
     let on = |t: f64| if t < 0.2 { 1.0 } else { 0.0 };
     scene.force_in_time(beam.end(), [5.0, 20.0], on).unwrap();
+    scene
+        .force_in_time(beam.start(), [-4.0, -18.0], on)
+        .unwrap();
     scene
         .moment_in_time(beam.start(), Moment::about_z(0.3), on)
         .unwrap();

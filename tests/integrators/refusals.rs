@@ -33,8 +33,10 @@ fn parameters_out_of_range() {
         assert!(refusal(&Collocation::radau(stages)).contains("stages"));
     }
     assert!(refusal(&CentralDifference { renewal: 0 }).contains("frequency"));
-    let mut newton = Newton::default();
-    newton.iterations = 0;
+    let newton = Newton {
+        iterations: 0,
+        ..Newton::default()
+    };
     assert!(refusal(&Midpoint { newton }).contains("iteration"));
     assert!(refusal(&Collocation::gauss(2).with_newton(newton)).contains("iteration"));
     assert!(refusal(&EnergyMomentum::conserving().with_newton(newton)).contains("iteration"));
@@ -65,6 +67,18 @@ fn stepping_out_of_range() {
         assert!(text.contains(named), "{text}");
         assert_eq!(run.state().time, 0.0);
     }
+    let text = run
+        .until_event(
+            1.0,
+            Stepping::Fixed(1e-3),
+            Crossing::Any,
+            |_| f64::NAN,
+            |_| {},
+        )
+        .unwrap_err()
+        .to_string();
+    assert!(text.contains("event is NaN"), "{text}");
+    assert_eq!(run.state().time, 0.0);
 }
 
 /// A potential without a secant.
