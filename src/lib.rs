@@ -86,7 +86,8 @@ pub mod prelude {
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{
-        Beam, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed, Scene, System,
+        Beam, Connector, Constraint, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed,
+        RigidBody, Scene, System,
     };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,

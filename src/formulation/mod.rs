@@ -15,6 +15,7 @@ mod structural;
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
 pub use inertia::Inertia;
+pub(crate) use law::varied;
 pub use law::{ContinuumSection, SectionLaw, SectionStiffness};
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
@@ -90,7 +91,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     /// Adds the elastic force `Q_s = dU/de` (eq. 14).
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         for i in 0..S {
-            let energy = self.energy(&law::varied(u, i));
+            let energy = self.energy(&varied(u, i));
             for c in 0..D {
                 q[i][c] += T::derivative::<D>(&energy, c);
             }
@@ -106,7 +107,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     ) {
         for j in 0..S {
             let mut dual = [[T::zero().constant::<D>(); D]; S];
-            self.force(&law::varied(u, j), &mut dual);
+            self.force(&varied(u, j), &mut dual);
             for c in 0..D {
                 q[j][c] += T::real_part::<D>(&dual[j][c]);
                 for i in 0..S {

@@ -164,6 +164,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             next.velocity[i] = now.velocity[i] + step * mean;
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        self.workspace.settle(structure, next)?;
         next.work = now.work + self.workspace.work(structure, now, next)?;
         Ok(solved)
     }

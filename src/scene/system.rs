@@ -1,11 +1,14 @@
 //! The assembled system: coordinates, constant mass, loads and the bodies' elastic forces, as the
 //! solvers see them through [`Structure`].
 
+use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 
 use super::chain::Body;
 use super::joint::Course;
 use super::load::NodalLoad;
+use super::tie::{Connecting, Holding};
 use super::{Node, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
@@ -40,12 +43,28 @@ impl<R: Real> Energies<R> {
     }
 }
 
+/// How far a state is from what its nonlinear constraints ask, each the largest over all of them in
+/// their own units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift<R> {
+    /// Residual of the constraints.
+    pub position: R,
+    /// Its first derivative by time (1/s).
+    pub velocity: R,
+    /// Its second derivative by time (1/s^2).
+    pub acceleration: R,
+}
+
 /// An assembled scene.
 #[derive(Debug)]
 pub struct System<R: Real, const D: usize> {
     scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
+    connectors: Vec<Box<dyn Connecting<R>>>,
+    constraints: Vec<Box<dyn Holding<R>>>,
+    /// Factor by which the mass is scaled beside the constraints.
+    mass_factor: R,
     unknowns: Unknowns<R>,
     courses: Vec<Course<R>>,
     reference: Vec<R>,
@@ -64,23 +83,38 @@ impl<R: Real, const D: usize> System<R, D> {
             conditions,
             courses,
             loads,
+            connectors,
+            mut constraints,
+            masses,
             gravity,
             size,
         } = scene;
         if bodies.is_empty() {
             return Err(Error::EmptyScene);
         }
-        let unknowns = Unknowns::new(size, conditions, |tell| {
+        let mut all = size;
+        for constraint in &mut constraints {
+            constraint.number(all);
+            all += constraint.count();
+        }
+        let unknowns = Unknowns::with_multipliers(all, size..all, conditions, |tell| {
             bodies.iter().for_each(|body| body.elastic().couple(tell));
+            connectors.iter().for_each(|link| link.couple(tell));
+            constraints.iter().for_each(|hold| hold.couple(tell));
         })?;
-        let mut reference = vec![R::zero(); size];
-        let mut measure = vec![R::one(); size];
+        let mut reference = vec![R::zero(); all];
+        let mut measure = vec![R::one(); all];
+        // Rigid bodies are measured by the beams they are joined to.
+        let lengths = bodies.iter().map(Body::length);
+        let longest = lengths.fold(R::zero(), R::larger);
+        let longest = if longest.is_zero() { R::one() } else { longest };
         for body in &bodies {
             body.elastic().reference(&mut reference);
             let per_node = body.vectors().len();
             for (i, unit) in measure[body.range()].iter_mut().enumerate() {
                 if body.vectors()[(i / D) % per_node] == NodalVector::Position {
-                    *unit = body.length();
+                    let length = body.length();
+                    *unit = if length.is_zero() { longest } else { length };
                 }
             }
         }
@@ -106,26 +140,142 @@ impl<R: Real, const D: usize> System<R, D> {
             for body in &bodies {
                 body.elastic().inertia(&mut matrix, &mut first)?;
             }
+            for (vector, m) in masses {
+                matrix.add(vector, vector, m)?;
+                first[vector] += m;
+            }
             mass = Some(matrix);
             if let Some(g) = gravity {
-                weight = Some(first.iter().flat_map(|m| g.map(|g| *m * g)).collect());
+                weight = Some({
+                    let weight = first.iter().flat_map(|m| g.map(|g| *m * g));
+                    weight.chain(vec![R::zero(); all - size]).collect()
+                });
             }
-        } else if gravity.is_some() {
+        } else if gravity.is_some() || !masses.is_empty() {
             return Err(Error::Unsupported {
-                what: "gravity on beams without density".into(),
+                what: "gravity or point masses on beams without density".into(),
                 remedy: "give the beams a density with Beam::density",
             });
         }
-        Ok(Self {
+        let mut system = Self {
             scene: id,
             bodies,
             loads,
+            connectors,
+            constraints,
+            mass_factor: R::one(),
             unknowns,
             courses,
             reference,
             measure,
             mass,
             weight,
+        };
+        system.scale_constraints()?;
+        Ok(system)
+    }
+
+    /// Scales every condition by the stiffness that it meets in the reference state, and the mass
+    /// beside the constraints alike, so that the saddle point is as well conditioned as the
+    /// stiffness.
+    fn scale_constraints(&mut self) -> Result<()> {
+        let multipliers = self.multipliers();
+        if multipliers.is_empty() {
+            return Ok(());
+        }
+        let u = vec![R::zero(); self.reference.len()];
+        let mut matrix = Matrix::zero(&self.unknowns, true);
+        for body in &self.bodies {
+            body.elastic().tangent(&u, &mut matrix)?;
+        }
+        for link in &self.connectors {
+            link.tangent(&u, &mut matrix)?;
+        }
+        let mut stiffness = matrix.diagonal();
+        matrix.clear();
+        self.add_mass(R::one(), &mut matrix)?;
+        let mass = matrix.diagonal();
+        let natural = |x: &[R]| {
+            let energies = x
+                .iter()
+                .zip(&self.measure)
+                .map(|(k, size)| *k * *size * *size);
+            energies.fold(R::zero(), R::larger)
+        };
+        let mut typical = natural(&stiffness);
+        if typical.is_zero() {
+            // Rigid bodies alone: as if they moved by their own size in a second.
+            typical = natural(&mass);
+        }
+        for (k, size) in stiffness.iter_mut().zip(&self.measure) {
+            let least = typical / (*size * *size);
+            if *k <= least * R::lit(1e-12) {
+                *k = least;
+            }
+        }
+        let mut scales = Vec::with_capacity(multipliers.len());
+        let mut mass_factor = R::zero();
+        for constraint in &self.constraints {
+            let mut rows: BTreeMap<usize, Vec<R>> = BTreeMap::new();
+            constraint.gradient(R::zero(), &u, &mut |multiplier, i, slope| {
+                let row = rows.entry(multiplier);
+                row.or_insert_with(|| vec![R::zero(); u.len()])[i] += slope;
+            });
+            for (multiplier, mut row) in rows {
+                self.unknowns.reduce(&mut row);
+                let (mut give, mut light, mut size) = (R::zero(), R::zero(), R::zero());
+                for &i in self.unknowns.free() {
+                    let square = row[i] * row[i];
+                    give += square / stiffness[i];
+                    size += row[i].abs() * self.measure[i];
+                    if !mass[i].is_zero() {
+                        light += square / mass[i];
+                    }
+                }
+                let give = finite("derivative of a constraint", give)?;
+                if give.is_zero() {
+                    return Err(Error::Redundant {
+                        constraint: self.name(multiplier),
+                        pivot: 0.0,
+                    });
+                }
+                scales.push(give.recip());
+                mass_factor = mass_factor.larger(light / give);
+                self.measure[multiplier] = size;
+            }
+        }
+        let mut rest = &scales[..];
+        for constraint in &mut self.constraints {
+            let (own, others) = rest.split_at(constraint.count());
+            constraint.scale(own);
+            rest = others;
+        }
+        if !mass_factor.is_zero() {
+            self.mass_factor = mass_factor;
+        }
+        Ok(())
+    }
+
+    /// How far a state is from what its nonlinear constraints ask.
+    ///
+    /// # Errors
+    /// When the state is of another system's size.
+    pub fn drift(&self, state: &State<R>) -> Result<Drift<R>> {
+        self.check_size(state)?;
+        let [position, velocity, acceleration] =
+            [Rate::Displacement, Rate::Velocity, Rate::Acceleration].map(|rate| {
+                let mut largest = R::zero();
+                for constraint in &self.constraints {
+                    constraint.violation(rate, state, &mut |_, value, _| {
+                        largest = largest.larger(value.abs());
+                    });
+                }
+                largest
+            });
+        Ok(Drift {
+            position,
+            velocity,
+            acceleration,
         })
     }
 
@@ -231,6 +381,19 @@ impl<R: Real, const D: usize> System<R, D> {
         self.impose(state.time, Rate::Velocity, &mut state.velocity)
     }
 
+    /// The constraint that a multiplier belongs to, in words.
+    fn name_constraint(&self, i: usize) -> String {
+        let mut first = self.multipliers().start;
+        for constraint in &self.constraints {
+            let end = first + constraint.count();
+            if (first..end).contains(&i) {
+                return format!("condition {} of {}", i - first, constraint.describe());
+            }
+            first = end;
+        }
+        format!("coordinate {i}")
+    }
+
     fn check_size(&self, state: &State<R>) -> Result<()> {
         let size = self.reference.len();
         Error::check_length(
@@ -267,10 +430,16 @@ impl<R: Real, const D: usize> System<R, D> {
         let fall = |w: &Vec<R>| -w.iter().zip(u).map(|(w, u)| *w * *u).sum::<R>();
         Ok(Energies {
             kinetic,
-            elastic: self.bodies.iter().map(|b| b.elastic().energy(u)).sum(),
+            elastic: self.elastic(u),
             gravity: self.weight.as_ref().map_or(R::zero(), fall),
             work: state.work,
         })
+    }
+
+    fn elastic(&self, u: &[R]) -> R {
+        let bodies = self.bodies.iter().map(|body| body.elastic().energy(u));
+        let connectors = self.connectors.iter().map(|link| link.energy(u));
+        bodies.chain(connectors).sum()
     }
 
     /// What is modelled, in words: unknowns, bodies, terms switched on.
@@ -291,7 +460,7 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             f,
             "{} {plural} in {D} dimensions, {} coordinates, {} of them held by supports and joints",
             self.bodies.len(),
-            self.reference.len(),
+            self.multipliers().start,
             self.reference.len() - self.unknowns.count()
         )?;
         for body in &self.bodies {
@@ -300,6 +469,12 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
         writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
         writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
         writeln!(f, "  nodal loads: {}", self.loads.len())?;
+        if !self.connectors.is_empty() {
+            writeln!(f, "  connectors: {}", self.connectors.len())?;
+        }
+        if !self.constraints.is_empty() {
+            writeln!(f, "  nonlinear constraints: {}", self.multipliers().len())?;
+        }
         write!(f, "  symmetric tangent: {}", on(self.symmetric()))
     }
 }
@@ -317,6 +492,38 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         self.unknowns.impose(x, |k| self.courses[k].at(time, rate))
     }
 
+    fn multipliers(&self) -> Range<usize> {
+        let count: usize = self.constraints.iter().map(|c| c.count()).sum();
+        self.reference.len() - count..self.reference.len()
+    }
+
+    fn add_holding(&self, time: R, u: &[R], q: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.force(time, u, q);
+        }
+    }
+
+    fn violation(&self, rate: Rate, state: &State<R>, out: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.violation(rate, state, &mut |i, value, scale| out[i] = scale * value);
+        }
+    }
+
+    fn add_projection(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<R> {
+        self.add_mass(self.mass_factor, k)?;
+        let mut result = Ok(());
+        for constraint in &self.constraints {
+            constraint.gradient(time, u, &mut |multiplier, i, slope| {
+                for (i, j) in [(multiplier, i), (i, multiplier)] {
+                    let added = k.add(i, j, slope);
+                    result = std::mem::replace(&mut result, Ok(())).and(added);
+                }
+            });
+        }
+        result?;
+        Ok(self.mass_factor)
+    }
+
     fn measure(&self) -> &[R] {
         &self.measure
     }
@@ -324,6 +531,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     fn add_internal(&self, u: &[R], q: &mut [R]) {
         for body in &self.bodies {
             body.elastic().force(u, q);
+        }
+        for link in &self.connectors {
+            link.force(u, q);
         }
     }
 
@@ -352,6 +562,12 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for body in &self.bodies {
             body.elastic().tangent(u, k)?;
         }
+        for link in &self.connectors {
+            link.tangent(u, k)?;
+        }
+        for constraint in &self.constraints {
+            constraint.tangent(time, u, k)?;
+        }
         for load in &self.loads {
             let amplitude = factor * load.amplitude(time)?;
             load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
@@ -362,7 +578,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     fn name(&self, i: usize) -> String {
         let inside = |(_, body): &(usize, &Body<R, D>)| body.range().contains(&i);
         let Some((index, body)) = self.bodies.iter().enumerate().find(inside) else {
-            return format!("coordinate {i}");
+            return self.name_constraint(i);
         };
         let vector = (i - body.range().start) / D;
         let per_node = body.vectors().len();

@@ -35,6 +35,15 @@ impl<R: Real> Matrix<R> {
         &self.stored
     }
 
+    /// The diagonal entry of every coordinate that is an unknown; zero for the others.
+    pub(crate) fn diagonal(&self) -> Vec<R> {
+        let mut diagonal = vec![R::zero(); self.unknowns.coordinates()];
+        for (q, i) in self.unknowns.free().iter().enumerate() {
+            diagonal[*i] = self.stored.get(q, q);
+        }
+        diagonal
+    }
+
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
         self.stored.clear();

@@ -108,12 +108,15 @@ pub(crate) struct Workspace<R> {
     external: Vec<R>,
     inertia: Vec<R>,
     scratch: Vec<R>,
+    /// What projects rates onto the constraints; nothing without constraints.
+    projection: Option<(Matrix<R>, Factor<R>)>,
     /// Sum of the corrections of the last solve.
     moved: Vec<R>,
     /// Right-hand side and solution by unknowns.
     unknown: Vec<R>,
-    /// Another vector by unknowns.
+    /// Two more vectors by unknowns.
     rounding: Vec<R>,
+    positions: Vec<R>,
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
@@ -145,9 +148,14 @@ impl<R: Real> Workspace<R> {
             external: zeros(),
             inertia: zeros(),
             scratch: zeros(),
+            projection: (!structure.multipliers().is_empty()).then(|| {
+                let matrix = Matrix::zero(unknowns, true);
+                (matrix, Factor::new(unknowns.profile(), true))
+            }),
             moved: zeros(),
             unknown: vec![R::zero(); unknowns.count()],
             rounding: vec![R::zero(); unknowns.count()],
+            positions: vec![R::zero(); unknowns.count()],
         }
     }
 
@@ -242,11 +250,68 @@ impl<R: Real> Workspace<R> {
         self.balance(structure, &equations, &state.displacement)?;
         self.forget();
         self.tangent.clear();
-        structure.add_mass(R::one(), &mut self.tangent)?;
-        self.factor.factor(self.tangent.stored())?;
+        let u = &state.displacement;
+        let mass = structure.add_projection(state.time, u, &mut self.tangent)?;
+        let factored = self.factor.factor(self.tangent.stored());
+        factored.map_err(|error| match singular(structure, error.clone()) {
+            redundant @ Error::Redundant { .. } => redundant,
+            _ => error,
+        })?;
+        for force in &mut self.scratch {
+            *force *= mass;
+        }
+        let multipliers = structure.multipliers();
+        self.scratch[multipliers.clone()].fill(R::zero());
         self.solve_linear(structure.unknowns())?;
         for (a, change) in state.acceleration.iter_mut().zip(&self.scratch) {
             *a += *change;
+        }
+        for i in multipliers {
+            state.displacement[i] += self.scratch[i] / mass;
+        }
+        self.settle(structure, state)
+    }
+
+    /// Makes velocity and acceleration of a state obey the constraints, by the smallest change in
+    /// kinetic energy, and the multipliers balance the acceleration. Without constraints there is
+    /// nothing to do.
+    pub(crate) fn settle<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        state: &mut State<R>,
+    ) -> Result<()> {
+        let multipliers = structure.multipliers();
+        if multipliers.is_empty() {
+            return Ok(());
+        }
+        state.velocity[multipliers.clone()].fill(R::zero());
+        state.acceleration[multipliers.clone()].fill(R::zero());
+        let Some((matrix, factor)) = &mut self.projection else {
+            return Ok(());
+        };
+        matrix.clear();
+        let mass = structure.add_projection(state.time, &state.displacement, matrix)?;
+        factor
+            .factor(matrix.stored())
+            .map_err(|error| singular(structure, error))?;
+        let unknowns = structure.unknowns();
+        for rate in [Rate::Velocity, Rate::Acceleration] {
+            self.scratch.fill(R::zero());
+            structure.violation(rate, state, &mut self.scratch);
+            for residual in &mut self.scratch[multipliers.clone()] {
+                *residual = -*residual;
+            }
+            solve_by(factor, unknowns, &mut self.unknown, &mut self.scratch)?;
+            let x = match rate {
+                Rate::Acceleration => &mut state.acceleration,
+                _ => &mut state.velocity,
+            };
+            for i in (0..x.len()).filter(|i| !multipliers.contains(i)) {
+                x[i] += self.scratch[i];
+            }
+        }
+        for i in multipliers {
+            state.displacement[i] += self.scratch[i] / mass;
         }
         Ok(())
     }
@@ -290,6 +355,7 @@ impl<R: Real> Workspace<R> {
         self.internal.fill(R::zero());
         self.external.fill(R::zero());
         structure.add_internal(u, &mut self.internal);
+        structure.add_holding(equations.time, u, &mut self.internal);
         structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
         if let Some(initial) = equations.initial {
             let rest = R::one() - equations.factor;
@@ -359,6 +425,20 @@ impl<R: Real> Workspace<R> {
         let stored = self.tangent.stored();
         stored.abs_mul_vec(&self.unknown, &mut self.rounding)?;
         let measure = structure.measure();
+        let multipliers = structure.multipliers();
+        if !multipliers.is_empty() {
+            // Constraints are formed from positions, which are as large as the structure however
+            // small its displacements.
+            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+                *q = measure[i];
+            }
+            stored.abs_mul_vec(&self.unknown, &mut self.positions)?;
+            for (q, rounding) in self.rounding.iter_mut().enumerate() {
+                if multipliers.contains(&unknowns.free()[q]) {
+                    *rounding = self.positions[q] * R::lit(4.0);
+                }
+            }
+        }
         let mut square = R::zero();
         for (rounding, &i) in self.rounding.iter().zip(unknowns.free()) {
             let part = *rounding * measure[i];
@@ -368,29 +448,19 @@ impl<R: Real> Workspace<R> {
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
-        match self.factor.factor(self.tangent.stored()) {
-            Err(Error::Singular { unknown, pivot }) => Err(Error::Mechanism {
-                coordinate: structure.name(unknowns.free()[unknown]),
-                pivot,
-            }),
-            other => {
-                self.factored = other.is_ok();
-                other
-            }
-        }
+        let factored = self.factor.factor(self.tangent.stored());
+        self.factored = factored.is_ok();
+        factored.map_err(|error| singular(structure, error))
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
     fn solve_linear(&mut self, unknowns: &Unknowns<R>) -> Result<()> {
-        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-            *q = self.scratch[i];
-        }
-        self.factor.solve(&mut self.unknown)?;
-        for (q, &i) in self.unknown.iter().zip(unknowns.free()) {
-            self.scratch[i] = *q;
-        }
-        unknowns.follow(&mut self.scratch);
-        Ok(())
+        solve_by(
+            &mut self.factor,
+            unknowns,
+            &mut self.unknown,
+            &mut self.scratch,
+        )
     }
 
     /// Applies one correction and returns its largest component in natural sizes.
@@ -404,6 +474,45 @@ impl<R: Real> Workspace<R> {
             largest = largest.larger((*du / *measure).abs());
         }
         Ok(largest)
+    }
+}
+
+/// Replaces the reduced forces in `x` by the changes of all coordinates they bring.
+fn solve_by<R: Real>(
+    factor: &mut Factor<R>,
+    unknowns: &Unknowns<R>,
+    unknown: &mut [R],
+    x: &mut [R],
+) -> Result<()> {
+    for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
+        *q = x[i];
+    }
+    factor.solve(unknown)?;
+    for (q, &i) in unknown.iter().zip(unknowns.free()) {
+        x[i] = *q;
+    }
+    unknowns.follow(x);
+    Ok(())
+}
+
+/// A singular matrix in the words of the structure.
+fn singular<R: Real, S: Structure<R> + ?Sized>(structure: &S, error: Error) -> Error {
+    match error {
+        Error::Singular { unknown, pivot } => {
+            let coordinate = structure.unknowns().free()[unknown];
+            let name = structure.name(coordinate);
+            match structure.multipliers().contains(&coordinate) {
+                true => Error::Redundant {
+                    constraint: name,
+                    pivot,
+                },
+                false => Error::Mechanism {
+                    coordinate: name,
+                    pivot,
+                },
+            }
+        }
+        other => other,
     }
 }
 
