@@ -39,17 +39,25 @@ fn star(arms: usize, length: usize) -> Vec<[usize; 2]> {
     (0..arms).flat_map(arm).collect()
 }
 
-fn grid(side: usize) -> Vec<[usize; 2]> {
+/// Crossings of `SIDE` lines each way, with nodes between them.
+const SIDE: usize = 10;
+const BETWEEN: usize = 3;
+const GRID: usize = SIDE * SIDE + 2 * SIDE * (SIDE - 1) * BETWEEN;
+
+fn grid() -> Vec<[usize; 2]> {
     let mut elements = Vec::new();
-    for i in 0..side {
-        for j in 0..side {
-            let n = i * side + j;
-            if j + 1 < side {
-                elements.push([n, n + 1]);
+    let mut inner = SIDE * SIDE;
+    for n in 0..SIDE * SIDE {
+        let right = (n % SIDE + 1 < SIDE).then_some(n + 1);
+        let up = (n / SIDE + 1 < SIDE).then_some(n + SIDE);
+        for m in right.into_iter().chain(up) {
+            let mut last = n;
+            for _ in 0..BETWEEN {
+                elements.push([last, inner]);
+                last = inner;
+                inner += 1;
             }
-            if i + 1 < side {
-                elements.push([n, n + side]);
-            }
+            elements.push([last, m]);
         }
     }
     elements
@@ -126,7 +134,7 @@ fn networks_are_solved_to_rounding() {
         ("chain", 60, chain(60), false),
         ("ring", 60, ring(60), false),
         ("star", 151, star(5, 30), true),
-        ("grid", 625, grid(25), true),
+        ("grid", GRID, grid(), true),
     ];
     for (name, nodes, elements, sparse) in cases {
         let unknowns = network(nodes, &elements);
@@ -168,8 +176,8 @@ fn a_ring_is_numbered_from_both_sides() {
 /// diagonal.
 #[test]
 fn what_needs_pivoting_gets_it() {
-    let elements = grid(25);
-    let unknowns = network(625, &elements);
+    let elements = grid();
+    let unknowns = network(GRID, &elements);
     let mut matrix = definite(&unknowns, &elements);
     let stored = matrix.stored();
     assert!(stored.is_sparse());
@@ -192,8 +200,8 @@ fn what_needs_pivoting_gets_it() {
 /// The derivative of a solution by a stiffness, against `-A^-1 A' x`.
 #[test]
 fn sparse_solutions_carry_derivatives() {
-    let elements = grid(25);
-    let plain = network(625, &elements);
+    let elements = grid();
+    let plain = network(GRID, &elements);
     let unknowns = Unknowns::<Dual64>::new(plain.coordinates(), Vec::new(), |tell| {
         for element in &elements {
             tell(&element.map(|n| n * NODE..(n + 1) * NODE));

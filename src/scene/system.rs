@@ -14,7 +14,7 @@ use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{Matrix, Rate, State, Structure, Unknowns};
+use crate::solver::{Matrix, Rate, State, Structure, Unknowns, Workspace};
 use crate::tensor::{add_scaled, cross};
 
 /// Energy balance of a state (J).
@@ -26,17 +26,17 @@ pub struct Energies<R> {
     pub elastic: R,
     /// Potential of gravity, zero in the reference state.
     pub gravity: R,
-    /// Work of nodal loads.
+    /// Work of nodal loads and of motions given in time.
     pub work: R,
 }
 
 impl<R: Real> Energies<R> {
-    /// Kinetic plus elastic plus gravity: constant without nodal loads.
+    /// Kinetic plus elastic plus gravity: constant without nodal loads and given motions.
     pub fn total(&self) -> R {
         self.kinetic + self.elastic + self.gravity
     }
 
-    /// [`total`](Self::total) minus the work of loads: constant along a motion, up to the error
+    /// [`total`](Self::total) minus the work of loads and given motions: constant along a motion, up to the error
     /// of the time integration (statics books no work).
     pub fn balance(&self) -> R {
         self.total() - self.work
@@ -254,6 +254,21 @@ impl<R: Real, const D: usize> System<R, D> {
             self.mass_factor = mass_factor;
         }
         Ok(())
+    }
+
+    /// The forces that supports, joints, motions and nonlinear constraints exert on every
+    /// coordinate in a state (N on positions, N m on slopes): what internal forces and inertia
+    /// need beyond the loads. On a coordinate that only a support holds it is the reaction; where
+    /// nothing holds it is what the solver left. Allocates.
+    ///
+    /// # Errors
+    /// When the state is of another system's size or not finite, or a load is not finite.
+    pub fn reactions(&self, state: &State<R>) -> Result<Vec<R>> {
+        let size = self.reference.len();
+        state.check(size)?;
+        let mut forces = vec![R::zero(); size];
+        Workspace::add_reactions(self, state, &mut forces)?;
+        Ok(forces)
     }
 
     /// How far a state is from what its nonlinear constraints ask.
@@ -544,6 +559,10 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
             }
         }
         self.add_applied(time, factor, u, q)
+    }
+
+    fn is_driven(&self) -> bool {
+        !self.courses.is_empty() || self.constraints.iter().any(|c| c.moves())
     }
 
     fn has_applied(&self) -> bool {

@@ -44,6 +44,11 @@ use crate::solver::{Matrix, Rate, State};
 pub trait Constraint<R: Real, const D: usize, const V: usize, const M: usize>:
     Debug + Send + Sync + 'static
 {
+    /// Whether the conditions change with time: they then do work, which the energy balance counts.
+    fn moves(&self) -> bool {
+        false
+    }
+
     /// The conditions that must vanish.
     fn residual<T: Algebra<R>>(&self, time: T, x: &[[T; D]; V]) -> [T; M];
 }
@@ -179,6 +184,8 @@ fn add_tangent<R: Real, const D: usize, const V: usize>(
 pub(super) trait Holding<R: Real>: Debug + Send + Sync {
     /// The constraint in words.
     fn describe(&self) -> String;
+    /// Whether it changes with time.
+    fn moves(&self) -> bool;
     /// Number of conditions.
     fn count(&self) -> usize;
     /// Coordinates of its multipliers, once their number is known.
@@ -258,6 +265,10 @@ where
 {
     fn describe(&self) -> String {
         format!("the constraint {:?}", self.constraint)
+    }
+
+    fn moves(&self) -> bool {
+        self.constraint.moves()
     }
 
     fn count(&self) -> usize {

@@ -316,15 +316,49 @@ impl<R: Real> Workspace<R> {
         Ok(())
     }
 
-    /// Work of the applied forces over a step, by the trapezoidal rule.
+    /// Adds to `q`, zero before, the forces that supports, joints, motions and constraints exert in a
+    /// state: what is left of the balance without them.
+    pub(crate) fn add_reactions<S: Structure<R> + ?Sized>(
+        structure: &S,
+        state: &State<R>,
+        q: &mut [R],
+    ) -> Result<()> {
+        structure.add_internal(&state.displacement, q);
+        structure.add_mass_times(R::one(), &state.acceleration, q);
+        structure.add_external(state.time, -R::one(), &state.displacement, q)
+    }
+
+    /// Work over a step, by the trapezoidal rule, of what moves coordinates in time: the reactions'
+    /// own, since those of resting supports and joints do none.
+    fn driven_work<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        now: &State<R>,
+        next: &State<R>,
+    ) -> Result<R> {
+        let mut work = R::zero();
+        if structure.is_driven() {
+            for state in [now, next] {
+                self.internal.fill(R::zero());
+                Self::add_reactions(structure, state, &mut self.internal)?;
+                let moved = next.displacement.iter().zip(&now.displacement);
+                let forces = self.internal.iter().zip(moved);
+                work += forces.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>() * R::lit(0.5);
+            }
+        }
+        Ok(work)
+    }
+
+    /// Work of the applied forces and of given motions over a step, by the trapezoidal rule.
     pub(crate) fn work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
+        let driven = self.driven_work(structure, now, next)?;
         if !structure.has_applied() {
-            return Ok(R::zero());
+            return Ok(driven);
         }
         self.external.fill(R::zero());
         for state in [now, next] {
@@ -333,7 +367,7 @@ impl<R: Real> Workspace<R> {
         }
         let moved = next.displacement.iter().zip(&now.displacement);
         let work = self.external.iter().zip(moved);
-        Ok(work.map(|(q, (b, a))| *q * (*b - *a)).sum())
+        Ok(driven + work.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>())
     }
 
     fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {

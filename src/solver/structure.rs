@@ -87,6 +87,12 @@ pub trait Structure<R: Real> {
         false
     }
 
+    /// Whether coordinates or constraints are moved in time, so that what moves them does work; not
+    /// by default.
+    fn is_driven(&self) -> bool {
+        false
+    }
+
     /// Adds the part of the external forces whose work is counted.
     ///
     /// # Errors
