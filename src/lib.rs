@@ -50,8 +50,8 @@
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics |
-//! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
-//! | [`solver`] | band factorisation, Newton's method, statics |
+//! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
+//! | [`solver`] | band and sparse factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives |

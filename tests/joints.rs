@@ -354,7 +354,7 @@ fn the_right_angle_cantilever_meets_its_reference() {
     let rule = StructuralMechanics::with_stiffness(constants(1e6, 1e6, 1e3, 1e3)).unwrap();
     let section = Moments::new(1.0, 10.0, 10.0).unwrap();
     let leg = |from, to| {
-        Beam::new(Quadratic, section, rule.clone())
+        Beam::new(Quadratic, section, rule)
             .straight(from, to, 4)
             .density(1.0)
     };
@@ -397,7 +397,7 @@ fn lees_frame_meets_its_reference_before_the_limit_point() {
     let stiffness = constants(720.0 * 6.0, 1e7, 1.0, 720.0 * 2.0);
     let rule = StructuralMechanics::with_stiffness(stiffness).unwrap();
     let section = Moments::new(6.0, 2.0, 2.0).unwrap();
-    let leg = |from, to, n| Beam::new(Quadratic, section, rule.clone()).straight(from, to, n);
+    let leg = |from, to, n| Beam::new(Quadratic, section, rule).straight(from, to, n);
     let (corner, far) = ([0.0, 120.0], [120.0, 120.0]);
     let mut scene = Scene::<f64, 2>::new();
     let first = scene.add(leg([0.0; 2], corner, 20)).unwrap();

@@ -6,11 +6,13 @@
 use std::fmt;
 use std::sync::Arc;
 
+use super::tie::Constraint;
+use super::{Node, Scene};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, Real, Scalar};
 use crate::solver::Rate;
-use crate::tensor::{cross, dot};
+use crate::tensor::{add_scaled, cross, dot};
 
 /// How two nodes at one place hold each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -178,6 +180,106 @@ impl<R: Real, const D: usize> Weld<R, D> {
             }
         }
         weld
+    }
+}
+
+impl<R: Real, const D: usize> Scene<R, D> {
+    /// The part of a weld that is not linear.
+    pub(super) fn weld(
+        &mut self,
+        nodes: [Node; 2],
+        axes: [Vec<usize>; 2],
+        weld: &Weld<R, D>,
+    ) -> Result<()> {
+        let slopes = |n: usize| {
+            axes[n]
+                .iter()
+                .map(move |a| (nodes[n], NodalVector::Slope(*a)))
+        };
+        let vectors: Vec<(Node, NodalVector)> = slopes(0).chain(slopes(1)).collect();
+        if let (Some(cosine), [one, other]) = (weld.angle, &vectors[..]) {
+            return self.bind([*one, *other], Angle { cosine });
+        }
+        match (&weld.square[..], &vectors[..]) {
+            ([pair], [a, b]) => {
+                let pairs = [*pair];
+                self.bind([*a, *b], Square { axes, pairs })
+            }
+            ([pair], [a, b, c, d]) => {
+                let pairs = [*pair];
+                self.bind([*a, *b, *c, *d], Square { axes, pairs })
+            }
+            ([first, second], [a, b, c]) => {
+                let pairs = [*first, *second];
+                self.bind([*a, *b, *c], Square { axes, pairs })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Directions of two nodes that stay at right angles. Each direction is a combination of a node's
+/// material axes, of which the node's slopes are some and one may follow from the others.
+#[derive(Debug)]
+struct Square<R, const M: usize> {
+    /// Axes of the slopes given, first those of the one node and then those of the other.
+    axes: [Vec<usize>; 2],
+    /// Components of the directions in the material axes of the nodes.
+    pairs: [[[R; 3]; 2]; M],
+}
+
+impl<R: Real, const D: usize, const V: usize, const M: usize> Constraint<R, D, V, M>
+    for Square<R, M>
+{
+    fn residual<T: Algebra<R>>(&self, _time: T, x: &[[T; D]; V]) -> [T; M] {
+        let (one, other) = x.split_at(self.axes[0].len());
+        let frames = [
+            completed(&self.axes[0], one),
+            completed(&self.axes[1], other),
+        ];
+        std::array::from_fn(|m| {
+            let [p, q]: [[T; 3]; 2] = std::array::from_fn(|n| {
+                let mut sum = [T::zero(); 3];
+                for a in 0..3 {
+                    add_scaled(&mut sum, T::lift(self.pairs[m][n][a]), &frames[n][a]);
+                }
+                sum
+            });
+            dot(&p, &q)
+        })
+    }
+}
+
+/// Material axes of a node in space from the slopes it has; the one that is missing is normal to
+/// the others.
+fn completed<T: Scalar, const D: usize>(axes: &[usize], slopes: &[[T; D]]) -> [[T; 3]; 3] {
+    let mut frame = [[T::zero(); 3]; 3];
+    let mut known = [false, false, D == 2];
+    if known[2] {
+        frame[2][2] = T::one();
+    }
+    for (a, slope) in axes.iter().zip(slopes) {
+        known[*a] = true;
+        frame[*a] = std::array::from_fn(|c| if c < D { slope[c] } else { T::zero() });
+    }
+    if known.iter().filter(|known| **known).count() == 2
+        && let Some(k) = known.iter().position(|known| !known)
+    {
+        frame[k] = cross(&frame[(k + 1) % 3], &frame[(k + 2) % 3]);
+    }
+    frame
+}
+
+/// Two directions at a fixed angle, given by its cosine, whatever their lengths.
+#[derive(Debug)]
+struct Angle<R> {
+    cosine: R,
+}
+
+impl<R: Real, const D: usize> Constraint<R, D, 2, 1> for Angle<R> {
+    fn residual<T: Algebra<R>>(&self, _time: T, [a, b]: &[[T; D]; 2]) -> [T; 1] {
+        let lengths = (dot(a, a) * dot(b, b)).sqrt();
+        [dot(a, b) - lengths.times(self.cosine)]
     }
 }
 

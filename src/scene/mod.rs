@@ -1,7 +1,8 @@
-//! What the user states, in the words of the problem: beams with their supports, loads and
-//! gravity, gathered in a [`Scene`]; and what the solvers see, the assembled [`System`]. Only what
-//! the scene asks for is carried on: no mass matrix without density, no gravity or load vector
-//! without gravity or loads, no unsymmetric matrices without follower loads.
+//! What the user states, in the words of the problem: beams and rigid bodies with their supports,
+//! joints, constraints, loads and gravity, gathered in a [`Scene`]; and what the solvers see, the
+//! assembled [`System`]. Only what the scene asks for is carried on: no mass matrix without density,
+//! no gravity or load vector without gravity or loads, no multipliers without nonlinear
+//! constraints, no unsymmetric matrices without follower loads.
 
 mod beam;
 mod chain;
@@ -30,8 +31,7 @@ use crate::solver::Condition;
 use chain::Body;
 use joint::{Course, Weld};
 use load::{Action, Amplitude, NodalLoad};
-use rigid::{Angle, Orthonormal, Square};
-use tie::{Connecting, Hold, Holding, Link, Places};
+use tie::{Connecting, Holding};
 
 /// A beam placed in a scene: the handle by which its nodes are named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,40 +157,6 @@ impl<R: Real, const D: usize> Scene<R, D> {
             body: self.bodies.len() - 1,
             nodes,
         })
-    }
-
-    /// Places a rigid body and returns the handle that names its only node. Its axes are held
-    /// orthonormal by nonlinear constraints.
-    ///
-    /// # Errors
-    /// For a mass that is not positive, an inertia that no body has, a frame that is not
-    /// orthonormal, and numbers that are not finite.
-    pub fn add_body(&mut self, body: RigidBody<R, D>) -> Result<Placed> {
-        let body = body.place(self.size)?;
-        self.size = body.range().end;
-        self.bodies.push(body);
-        let placed = Placed {
-            scene: self.id,
-            body: self.bodies.len() - 1,
-            nodes: 1,
-        };
-        let axis = |a| (placed.start(), NodalVector::Slope(a));
-        match D {
-            2 => self.bind::<_, 2, 3>(std::array::from_fn(axis), Orthonormal)?,
-            _ => self.bind::<_, 3, 6>(std::array::from_fn(axis), Orthonormal)?,
-        }
-        Ok(placed)
-    }
-
-    /// A point mass (kg) on a node.
-    ///
-    /// # Errors
-    /// When there is no such node or the mass is not positive.
-    pub fn mass(&mut self, node: Node, mass: R) -> Result<()> {
-        let mass = crate::error::positive("point mass [kg]", mass)?;
-        let at = self.coordinates(node, NodalVector::Position)?;
-        self.masses.push((at / D, mass));
-        Ok(())
     }
 
     /// Fixes every coordinate of a node, slopes included, as the paper does. The section cannot
@@ -332,34 +298,6 @@ impl<R: Real, const D: usize> Scene<R, D> {
         self.weld([one, other], axes, &weld)
     }
 
-    /// The part of a weld that is not linear.
-    fn weld(&mut self, nodes: [Node; 2], axes: [Vec<usize>; 2], weld: &Weld<R, D>) -> Result<()> {
-        let slopes = |n: usize| {
-            axes[n]
-                .iter()
-                .map(move |a| (nodes[n], NodalVector::Slope(*a)))
-        };
-        let vectors: Vec<(Node, NodalVector)> = slopes(0).chain(slopes(1)).collect();
-        if let (Some(cosine), [one, other]) = (weld.angle, &vectors[..]) {
-            return self.bind([*one, *other], Angle { cosine });
-        }
-        match (&weld.square[..], &vectors[..]) {
-            ([pair], [a, b]) => {
-                let pairs = [*pair];
-                self.bind([*a, *b], Square { axes, pairs })
-            }
-            ([pair], [a, b, c, d]) => {
-                let pairs = [*pair];
-                self.bind([*a, *b, *c, *d], Square { axes, pairs })
-            }
-            ([first, second], [a, b, c]) => {
-                let pairs = [*first, *second];
-                self.bind([*a, *b, *c], Square { axes, pairs })
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Any linear constraint, `sum a u = 0` over displacements `u` of components of nodal vectors
     /// (m for positions, dimensionless for slopes).
     ///
@@ -382,87 +320,6 @@ impl<R: Real, const D: usize> Scene<R, D> {
         }
         self.conditions.push(condition);
         Ok(())
-    }
-
-    /// A nonlinear constraint on nodal vectors, enforced by Lagrange multipliers. What is linear is
-    /// better said by [`constrain`](Self::constrain) and [`join`](Self::join), which eliminate it.
-    ///
-    /// ```
-    /// # use ancf::prelude::*;
-    /// /// A point that slides on the parabola y = x^2.
-    /// #[derive(Debug)]
-    /// struct Parabola;
-    ///
-    /// impl Constraint<f64, 2, 1, 1> for Parabola {
-    ///     fn residual<T: Algebra<f64>>(&self, _time: T, [[x, y]]: &[[T; 2]; 1]) -> [T; 1] {
-    ///         [*y - *x * *x]
-    ///     }
-    /// }
-    ///
-    /// # let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
-    /// let mut scene = Scene::<f64, 2>::new();
-    /// let beam = Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber));
-    /// let beam = scene.add(beam.straight([0.0; 2], [1.0, 1.0], 4))?;
-    /// scene.clamp(beam.start())?;
-    /// scene.bind([(beam.end(), NodalVector::Position)], Parabola)?;
-    /// scene.force(beam.end(), [0.05, 0.0])?;
-    /// let system = scene.assemble()?;
-    /// let mut state = system.rest();
-    /// Statics::default().solve(&system, &mut state)?;
-    /// let [x, y] = system.position(&state, beam.end())?;
-    /// assert!(x > 1.0 && (y - x * x).abs() < 1e-12);
-    /// # Ok::<(), ancf::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// When there is no such node or nodal vector. Conditions that vanish nowhere nearby, say the
-    /// same as others, or have no derivative are found when the system is assembled or solved.
-    pub fn bind<C, const V: usize, const M: usize>(
-        &mut self,
-        vectors: [(Node, NodalVector); V],
-        constraint: C,
-    ) -> Result<()>
-    where
-        C: Constraint<R, D, V, M>,
-    {
-        let places = self.places(vectors)?;
-        self.constraints.push(Box::new(Hold {
-            places,
-            constraint,
-            first: 0,
-            scale: [R::one(); M],
-        }));
-        Ok(())
-    }
-
-    /// An energy between nodal vectors, such as that of a spring.
-    ///
-    /// # Errors
-    /// When there is no such node or nodal vector.
-    pub fn connect<C, const V: usize>(
-        &mut self,
-        vectors: [(Node, NodalVector); V],
-        connector: C,
-    ) -> Result<()>
-    where
-        C: Connector<R, D, V>,
-    {
-        let places = self.places(vectors)?;
-        self.connectors.push(Box::new(Link { places, connector }));
-        Ok(())
-    }
-
-    fn places<const V: usize>(&self, vectors: [(Node, NodalVector); V]) -> Result<Places<R, D, V>> {
-        let mut places = Places {
-            starts: [0; V],
-            reference: [[R::zero(); D]; V],
-        };
-        for (i, (node, vector)) in vectors.into_iter().enumerate() {
-            places.starts[i] = self.coordinates(node, vector)?;
-            let (body, _) = self.locate(node)?;
-            places.reference[i] = body.elastic().vector(node.index, vector);
-        }
-        Ok(places)
     }
 
     /// Uniform gravity with acceleration `g` (m/s^2); acts on beams with a density.

@@ -6,11 +6,12 @@ use std::ops::Range;
 
 use super::chain::{Body, Elastic};
 use super::tie::Constraint;
+use super::{Node, Placed, Scene};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
 use crate::solver::{BandMatrix, Matrix};
-use crate::tensor::{add_scaled, dot};
+use crate::tensor::dot;
 
 const VECTORS: [NodalVector; 4] = [
     NodalVector::Position,
@@ -156,6 +157,42 @@ fn refused<R: Real>(inertia: &[[R; 3]; 3]) -> Error {
     }
 }
 
+impl<R: Real, const D: usize> Scene<R, D> {
+    /// Places a rigid body and returns the handle that names its only node. Its axes are held
+    /// orthonormal by nonlinear constraints.
+    ///
+    /// # Errors
+    /// For a mass that is not positive, an inertia that no body has, a frame that is not
+    /// orthonormal, and numbers that are not finite.
+    pub fn add_body(&mut self, body: RigidBody<R, D>) -> Result<Placed> {
+        let body = body.place(self.size)?;
+        self.size = body.range().end;
+        self.bodies.push(body);
+        let placed = Placed {
+            scene: self.id,
+            body: self.bodies.len() - 1,
+            nodes: 1,
+        };
+        let axis = |a| (placed.start(), NodalVector::Slope(a));
+        match D {
+            2 => self.bind::<_, 2, 3>(std::array::from_fn(axis), Orthonormal)?,
+            _ => self.bind::<_, 3, 6>(std::array::from_fn(axis), Orthonormal)?,
+        }
+        Ok(placed)
+    }
+
+    /// A point mass (kg) on a node.
+    ///
+    /// # Errors
+    /// When there is no such node or the mass is not positive.
+    pub fn mass(&mut self, node: Node, mass: R) -> Result<()> {
+        let mass = positive("point mass [kg]", mass)?;
+        let at = self.coordinates(node, NodalVector::Position)?;
+        self.masses.push((at / D, mass));
+        Ok(())
+    }
+}
+
 /// A placed rigid body.
 #[derive(Debug)]
 struct Rigid<R, const D: usize> {
@@ -212,7 +249,7 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
 
 /// `V` vectors of unit length at right angles: half of `e_a . e_b` minus the identity.
 #[derive(Debug)]
-pub(super) struct Orthonormal;
+struct Orthonormal;
 
 impl<R: Real, const D: usize, const V: usize, const M: usize> Constraint<R, D, V, M>
     for Orthonormal
@@ -231,74 +268,5 @@ impl<R: Real, const D: usize, const V: usize, const M: usize> Constraint<R, D, V
             }
         }
         g
-    }
-}
-
-/// Directions of two nodes that stay at right angles. Each direction is a combination of a node's
-/// material axes, of which the node's slopes are some and one may follow from the others.
-#[derive(Debug)]
-pub(super) struct Square<R, const M: usize> {
-    /// Axes of the slopes given, first those of the one node and then those of the other.
-    pub(super) axes: [Vec<usize>; 2],
-    /// Components of the directions in the material axes of the nodes.
-    pub(super) pairs: [[[R; 3]; 2]; M],
-}
-
-impl<R: Real, const D: usize, const V: usize, const M: usize> Constraint<R, D, V, M>
-    for Square<R, M>
-{
-    fn residual<T: Algebra<R>>(&self, _time: T, x: &[[T; D]; V]) -> [T; M] {
-        let (one, other) = x.split_at(self.axes[0].len());
-        let frames = [
-            completed(&self.axes[0], one),
-            completed(&self.axes[1], other),
-        ];
-        std::array::from_fn(|m| {
-            let [p, q]: [[T; 3]; 2] = std::array::from_fn(|n| {
-                let mut sum = [T::zero(); 3];
-                for a in 0..3 {
-                    add_scaled(&mut sum, T::lift(self.pairs[m][n][a]), &frames[n][a]);
-                }
-                sum
-            });
-            dot(&p, &q)
-        })
-    }
-}
-
-/// Material axes of a node in space from the slopes it has; the one that is missing is normal to
-/// the others.
-fn completed<T: crate::scalar::Scalar, const D: usize>(
-    axes: &[usize],
-    slopes: &[[T; D]],
-) -> [[T; 3]; 3] {
-    let mut frame = [[T::zero(); 3]; 3];
-    let mut known = [false, false, D == 2];
-    frame[2][2] = T::one();
-    if D > 2 {
-        frame[2][2] = T::zero();
-    }
-    for (a, slope) in axes.iter().zip(slopes) {
-        known[*a] = true;
-        frame[*a] = std::array::from_fn(|c| if c < D { slope[c] } else { T::zero() });
-    }
-    if known.iter().filter(|known| **known).count() == 2
-        && let Some(k) = known.iter().position(|known| !known)
-    {
-        frame[k] = crate::tensor::cross(&frame[(k + 1) % 3], &frame[(k + 2) % 3]);
-    }
-    frame
-}
-
-/// Two directions at a fixed angle, given by its cosine, whatever their lengths.
-#[derive(Debug)]
-pub(super) struct Angle<R> {
-    pub(super) cosine: R,
-}
-
-impl<R: Real, const D: usize> Constraint<R, D, 2, 1> for Angle<R> {
-    fn residual<T: Algebra<R>>(&self, _time: T, [a, b]: &[[T; D]; 2]) -> [T; 1] {
-        let lengths = (dot(a, a) * dot(b, b)).sqrt();
-        [dot(a, b) - lengths.times(self.cosine)]
     }
 }

@@ -8,6 +8,8 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
+use super::{Node, Scene};
+use crate::element::NodalVector;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Tangent, varied};
 use crate::scalar::{Algebra, Real};
@@ -85,11 +87,94 @@ pub trait Connector<R: Real, const D: usize, const V: usize>:
     fn energy<T: Algebra<R>>(&self, x: &[[T; D]; V]) -> T;
 }
 
+impl<R: Real, const D: usize> Scene<R, D> {
+    /// A nonlinear constraint on nodal vectors, enforced by Lagrange multipliers. What is linear is
+    /// better said by [`constrain`](Self::constrain) and [`join`](Self::join), which eliminate it.
+    ///
+    /// ```
+    /// # use ancf::prelude::*;
+    /// /// A point that slides on the parabola y = x^2.
+    /// #[derive(Debug)]
+    /// struct Parabola;
+    ///
+    /// impl Constraint<f64, 2, 1, 1> for Parabola {
+    ///     fn residual<T: Algebra<f64>>(&self, _time: T, [[x, y]]: &[[T; 2]; 1]) -> [T; 1] {
+    ///         [*y - *x * *x]
+    ///     }
+    /// }
+    ///
+    /// # let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
+    /// let mut scene = Scene::<f64, 2>::new();
+    /// let beam = Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber));
+    /// let beam = scene.add(beam.straight([0.0; 2], [1.0, 1.0], 4))?;
+    /// scene.clamp(beam.start())?;
+    /// scene.bind([(beam.end(), NodalVector::Position)], Parabola)?;
+    /// scene.force(beam.end(), [0.05, 0.0])?;
+    /// let system = scene.assemble()?;
+    /// let mut state = system.rest();
+    /// Statics::default().solve(&system, &mut state)?;
+    /// let [x, y] = system.position(&state, beam.end())?;
+    /// assert!(x > 1.0 && (y - x * x).abs() < 1e-12);
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When there is no such node or nodal vector. Conditions that vanish nowhere nearby, say the
+    /// same as others, or have no derivative are found when the system is assembled or solved.
+    pub fn bind<C, const V: usize, const M: usize>(
+        &mut self,
+        vectors: [(Node, NodalVector); V],
+        constraint: C,
+    ) -> Result<()>
+    where
+        C: Constraint<R, D, V, M>,
+    {
+        let places = self.places(vectors)?;
+        self.constraints.push(Box::new(Hold {
+            places,
+            constraint,
+            first: 0,
+            scale: [R::one(); M],
+        }));
+        Ok(())
+    }
+
+    /// An energy between nodal vectors, such as that of a spring.
+    ///
+    /// # Errors
+    /// When there is no such node or nodal vector.
+    pub fn connect<C, const V: usize>(
+        &mut self,
+        vectors: [(Node, NodalVector); V],
+        connector: C,
+    ) -> Result<()>
+    where
+        C: Connector<R, D, V>,
+    {
+        let places = self.places(vectors)?;
+        self.connectors.push(Box::new(Link { places, connector }));
+        Ok(())
+    }
+
+    fn places<const V: usize>(&self, vectors: [(Node, NodalVector); V]) -> Result<Places<R, D, V>> {
+        let mut places = Places {
+            starts: [0; V],
+            reference: [[R::zero(); D]; V],
+        };
+        for (i, (node, vector)) in vectors.into_iter().enumerate() {
+            places.starts[i] = self.coordinates(node, vector)?;
+            let (body, _) = self.locate(node)?;
+            places.reference[i] = body.elastic().vector(node.index, vector);
+        }
+        Ok(places)
+    }
+}
+
 /// Nodal vectors of the system, by the index of the first component and the reference value.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Places<R, const D: usize, const V: usize> {
-    pub(super) starts: [usize; V],
-    pub(super) reference: [[R; D]; V],
+struct Places<R, const D: usize, const V: usize> {
+    starts: [usize; V],
+    reference: [[R; D]; V],
 }
 
 impl<R: Real, const D: usize, const V: usize> Places<R, D, V> {
@@ -117,9 +202,9 @@ pub(super) trait Connecting<R: Real>: Debug + Send + Sync {
 
 /// A connector at its nodes: an element whose kernel is the energy given.
 #[derive(Debug)]
-pub(super) struct Link<R, C, const D: usize, const V: usize> {
-    pub(super) places: Places<R, D, V>,
-    pub(super) connector: C,
+struct Link<R, C, const D: usize, const V: usize> {
+    places: Places<R, D, V>,
+    connector: C,
 }
 
 impl<R, C, const D: usize, const V: usize> ElementKernel<R, D, V> for Link<R, C, D, V>
@@ -190,7 +275,7 @@ pub(super) trait Holding<R: Real>: Debug + Send + Sync {
     fn count(&self) -> usize;
     /// Coordinates of its multipliers, once their number is known.
     fn number(&mut self, first: usize);
-    /// Scales its conditions by stiffnesses (in units of force per unit of the condition).
+    /// Scales its conditions by stiffnesses.
     fn scale(&mut self, scales: &[R]);
     /// Tells every derivative of a condition by a coordinate.
     fn gradient(&self, time: R, u: &[R], tell: &mut dyn FnMut(usize, usize, R));
@@ -203,12 +288,12 @@ pub(super) trait Holding<R: Real>: Debug + Send + Sync {
 
 /// A constraint at its nodes, with its multipliers.
 #[derive(Debug)]
-pub(super) struct Hold<R, C, const D: usize, const V: usize, const M: usize> {
-    pub(super) places: Places<R, D, V>,
-    pub(super) constraint: C,
+struct Hold<R, C, const D: usize, const V: usize, const M: usize> {
+    places: Places<R, D, V>,
+    constraint: C,
     /// Coordinate of the first multiplier.
-    pub(super) first: usize,
-    pub(super) scale: [R; M],
+    first: usize,
+    scale: [R; M],
 }
 
 type Once<R> = <R as Algebra<R>>::Dual<1>;
