@@ -147,6 +147,16 @@ pub enum Error {
         /// The vanishing pivot.
         pivot: f64,
     },
+    /// A constraint that says nothing new.
+    #[error(
+        "{constraint} holds nothing that is left to hold (pivot {pivot:.1e}): other constraints, joints or supports say the same or contradict it, or its derivatives vanish; drop one of them, or state it by a function whose derivatives do not vanish"
+    )]
+    Redundant {
+        /// The constraint, in words.
+        constraint: String,
+        /// The vanishing pivot.
+        pivot: f64,
+    },
     /// Conditions on coordinates that exclude each other.
     #[error(
         "the coordinates {coordinates:?} are bound to motions that exclude each other: drive, fix or join each of them once"

@@ -50,8 +50,8 @@
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
-//! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
-//! | [`solver`] | band factorisation, Newton's method, statics |
+//! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
+//! | [`solver`] | band and sparse factorisation, Newton's method, statics |
 //! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
@@ -88,7 +88,8 @@ pub mod prelude {
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{
-        Beam, Energies, Joint, Moment, MomentLaw, Momenta, Motion, Node, Placed, Scene, System,
+        Beam, Connector, Constraint, Energies, Joint, Moment, MomentLaw, Momenta, Motion, Node,
+        Placed, RigidBody, Scene, System,
     };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,

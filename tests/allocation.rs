@@ -40,6 +40,39 @@ fn a_step_allocates_nothing() {
         }
         scene.assemble().unwrap()
     };
+    // A rigid body on a beam, tied to the origin: multipliers and projections.
+    #[derive(Debug)]
+    struct Tether;
+    impl Constraint<f64, 3, 1, 1> for Tether {
+        fn residual<T: Algebra<f64>>(&self, _time: T, [r]: &[[T; 3]; 1]) -> [T; 1] {
+            [(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]).sqrt() - T::one()]
+        }
+    }
+    let system = {
+        let mut scene = Scene::<f64, 3>::new();
+        let beam = Beam::new(FullyParameterised, disk, formulation.clone())
+            .straight([0.0; 3], [1.0, 0.0, 0.0], 4)
+            .density(7200.0);
+        let beam = scene.add(beam).unwrap();
+        scene.pin(beam.start()).unwrap();
+        let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let body = RigidBody::new(1.0, unit).at([1.0, 0.0, 0.0]);
+        let body = scene.add_body(body).unwrap();
+        scene.join(beam.end(), body.start(), Joint::Rigid).unwrap();
+        let vectors = [(body.start(), NodalVector::Position)];
+        scene.bind(vectors, Tether).unwrap();
+        scene.gravity([0.0, -9.81, 0.0]).unwrap();
+        scene.assemble().unwrap()
+    };
+    let mut run = Integration::start(&system, system.rest(), &Newmark::trapezoidal()).unwrap();
+    run.step(1e-3).unwrap();
+    let count = allocations(|| {
+        for _ in 0..20 {
+            run.step(1e-3).unwrap();
+        }
+    });
+    assert_eq!(count, 0, "with constraints");
+
     for moment in [false, true] {
         for refresh in [
             Refresh::EveryIteration,

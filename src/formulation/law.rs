@@ -170,7 +170,7 @@ where
 
 /// Dual numbers with unit derivatives along the components of vector `k` of `vectors`.
 #[inline(always)]
-pub(super) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
+pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
     vectors: &[[T; D]; K],
     k: usize,
 ) -> [[T::Dual<D>; D]; K] {

@@ -19,6 +19,7 @@ pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use co_moving::{CoMoving, CoMovingKernel};
 pub use continuum::{Across, Continuum, ContinuumKernel, ContinuumSection, Layer};
 pub use inertia::Inertia;
+pub(crate) use law::varied;
 pub use law::{PointSection, SectionLaw, SectionStiffness};
 pub use moments::MomentSection;
 pub(crate) use sampled::derivatives;
@@ -106,7 +107,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     /// Adds the elastic force `Q_s = dU/de` (eq. 14).
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         for i in 0..S {
-            let energy = self.energy(&law::varied(u, i));
+            let energy = self.energy(&varied(u, i));
             for c in 0..D {
                 q[i][c] += T::derivative::<D>(&energy, c);
             }
@@ -122,7 +123,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     ) {
         for j in 0..S {
             let mut dual = [[T::zero().constant::<D>(); D]; S];
-            self.force(&law::varied(u, j), &mut dual);
+            self.force(&varied(u, j), &mut dual);
             for c in 0..D {
                 q[j][c] += T::real_part::<D>(&dual[j][c]);
                 for i in 0..S {
@@ -173,7 +174,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
         let from = from.map(|vector| vector.map(|x| x.constant::<D>()));
         for j in 0..S {
             let mut dual = [[T::zero().constant::<D>(); D]; S];
-            self.secant(viscosity, &from, &law::varied(to, j), &mut dual);
+            self.secant(viscosity, &from, &varied(to, j), &mut dual);
             for i in 0..S {
                 for c in 0..D {
                     for d in 0..D {

@@ -7,7 +7,7 @@ mod tableau;
 
 use std::cell::RefCell;
 
-use super::{Method, Scheme, mean_squares, prepare};
+use super::{Method, Scheme, mean_squares, prepare, unconstrained};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace};
@@ -81,6 +81,7 @@ impl<R: Real> Scheme<R> for Collocation {
         state: &mut State<R>,
     ) -> Result<CollocationMethod<R>> {
         self.newton.check()?;
+        unconstrained(structure, "collocation")?;
         if !(1..=8).contains(&self.stages) {
             return Err(Error::OutOfRange {
                 what: "number of stages of a collocation method",

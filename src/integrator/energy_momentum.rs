@@ -14,7 +14,7 @@
 use std::cell::RefCell;
 
 use super::midpoint::Clock;
-use super::{Method, Scheme, impose_mean, prepare};
+use super::{Method, Scheme, impose_mean, prepare, unconstrained};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
@@ -166,6 +166,7 @@ impl<R: Real> Scheme<R> for EnergyMomentum {
         state: &mut State<R>,
     ) -> Result<EnergyMomentumMethod<R>> {
         self.newton.check()?;
+        unconstrained(structure, "the energy-momentum method")?;
         for (what, value) in [
             ("viscosity of the energy-momentum method", self.viscosity),
             ("retardation time [s]", self.retardation),

@@ -3,7 +3,7 @@
 //! holding the supports afterwards would leave an error that no time step removes. Its steps are
 //! bounded by the highest frequency, which is found by iteration and renewed as the motion goes on.
 
-use super::{Method, Scheme, mean_squares, prepare};
+use super::{Method, Scheme, mean_squares, prepare, unconstrained};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 use crate::solver::{Factor, Matrix, Rate, Solved, State, Structure, Workspace};
@@ -51,6 +51,7 @@ impl<R: Real> Scheme<R> for CentralDifference {
         structure: &S,
         state: &mut State<R>,
     ) -> Result<CentralDifferenceMethod<R>> {
+        unconstrained(structure, "the central difference method")?;
         if self.renewal == 0 {
             return Err(Error::TooFew {
                 what: "number of steps after which the highest frequency is found anew",

@@ -1,7 +1,7 @@
 //! The implicit midpoint rule: forces half way through the step. It is symplectic and keeps
 //! quadratic invariants, linear and angular momentum among them, at any step.
 
-use super::{Method, Scheme, impose_mean, mean_squares, prepare};
+use super::{Method, Scheme, impose_mean, mean_squares, prepare, unconstrained};
 use crate::error::Result;
 use crate::scalar::Real;
 use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace};
@@ -24,6 +24,7 @@ impl<R: Real> Scheme<R> for Midpoint {
         state: &mut State<R>,
     ) -> Result<MidpointMethod<R>> {
         self.newton.check()?;
+        unconstrained(structure, "the midpoint rule")?;
         Ok(MidpointMethod {
             newton: self.newton,
             workspace: prepare(structure, state)?,

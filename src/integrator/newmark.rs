@@ -226,6 +226,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             new[i] += change;
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        self.workspace.settle(structure, next)?;
         let half = R::lit(0.5);
         let ends = [now, &*next].map(|state| (half, state.time, &state.displacement[..]));
         next.work = now.work + self.workspace.work(structure, &ends, now, next)?;

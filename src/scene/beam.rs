@@ -218,7 +218,7 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
 }
 
 /// A node of a curved axis, refused unless it is finite with an orthonormal right-handed frame.
-fn checked<R: Real, const D: usize>(
+pub(super) fn checked<R: Real, const D: usize>(
     s: R,
     (position, frame): ([R; D], [[R; D]; D]),
 ) -> Result<([R; D], [[R; D]; D])> {

@@ -102,6 +102,27 @@ impl<R: Real, const D: usize> Body<R, D> {
         }
     }
 
+    /// A body of one node that is no beam. It has no length of its own.
+    pub(super) fn of_node(
+        elastic: Box<dyn Elastic<R, D>>,
+        vectors: &'static [NodalVector],
+        range: Range<usize>,
+        frame: [[R; D]; D],
+        description: String,
+    ) -> Self {
+        Self {
+            elastic,
+            vectors,
+            nodes: 1,
+            range,
+            frames: vec![frame],
+            length: R::zero(),
+            has_mass: true,
+            description,
+            slopes: Some(std::array::from_fn(|a| a + 1)),
+        }
+    }
+
     pub(super) fn elastic(&self) -> &dyn Elastic<R, D> {
         &*self.elastic
     }

@@ -1,18 +1,23 @@
-//! What the user states, in the words of the problem: beams with their supports, loads and
-//! gravity, gathered in a [`Scene`]; and what the solvers see, the assembled [`System`]. Only what
-//! the scene asks for is carried on: no mass matrix without density, no gravity or load vector
-//! without gravity or loads, no unsymmetric matrices without follower loads.
+//! What the user states, in the words of the problem: beams and rigid bodies with their supports,
+//! joints, constraints, loads and gravity, gathered in a [`Scene`]; and what the solvers see, the
+//! assembled [`System`]. Only what the scene asks for is carried on: no mass matrix without density,
+//! no gravity or load vector without gravity or loads, no multipliers without nonlinear
+//! constraints, no unsymmetric matrices without follower loads.
 
 mod beam;
 mod chain;
 mod joint;
 mod load;
+mod rigid;
 mod system;
+mod tie;
 
 pub use beam::Beam;
 pub use joint::{Joint, Motion};
 pub use load::{Moment, MomentLaw};
-pub use system::{Energies, Momenta, System};
+pub use rigid::RigidBody;
+pub use system::{Drift, Energies, Momenta, System};
+pub use tie::{Connector, Constraint};
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,8 +29,9 @@ use crate::scalar::Real;
 use crate::section::Section;
 use crate::solver::Condition;
 use chain::Body;
-use joint::Course;
+use joint::{Course, Weld};
 use load::{Action, Amplitude, NodalLoad};
+use tie::{Connecting, Holding};
 
 /// A beam placed in a scene: the handle by which its nodes are named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +105,10 @@ pub struct Scene<R: Real, const D: usize> {
     conditions: Vec<Condition<R>>,
     courses: Vec<Course<R>>,
     loads: Vec<NodalLoad<R, D>>,
+    connectors: Vec<Box<dyn Connecting<R>>>,
+    constraints: Vec<Box<dyn Holding<R>>>,
+    /// Point masses by the index of the nodal vector.
+    masses: Vec<(usize, R)>,
     gravity: Option<[R; D]>,
     size: usize,
 }
@@ -119,6 +129,9 @@ impl<R: Real, const D: usize> Scene<R, D> {
             conditions: Vec::new(),
             courses: Vec::new(),
             loads: Vec::new(),
+            connectors: Vec::new(),
+            constraints: Vec::new(),
+            masses: Vec::new(),
             gravity: None,
             size: 0,
         }
@@ -237,7 +250,26 @@ impl<R: Real, const D: usize> Scene<R, D> {
             .map(|c| Condition::shared(first + c, second + c))
             .collect();
         let small = R::lit(16.0 * R::EPSILON.sqrt());
-        for shares in joint.shared(a.frame(one.index), b.frame(other.index))? {
+        let frames = [a.frame(one.index), b.frame(other.index)];
+        let axes: [Vec<usize>; 2] = [a, b].map(|body| {
+            let places = joint::slopes::<D>(body.vectors());
+            (0..D).filter(|axis| places[*axis].is_some()).collect()
+        });
+        let weld = match joint {
+            Joint::Rigid => Weld::new(frames, [&axes[0], &axes[1]]),
+            _ => Weld::of(joint.shared(frames[0], frames[1])?),
+        };
+        if let Some([cosine, sine]) = weld.turned {
+            let slope = |body: &Body<R, D>| joint::slopes::<D>(body.vectors())[1].unwrap_or(0) * D;
+            let (p, q) = (start_a + slope(a), start_b + slope(b));
+            for (c, (along, across)) in [(cosine, -sine), (sine, cosine)].into_iter().enumerate() {
+                conditions.push(Condition {
+                    terms: vec![(q + c, R::one()), (p, -along), (p + 1, -across)],
+                    known: Vec::new(),
+                });
+            }
+        }
+        for shares in &weld.shared {
             let mut terms = Vec::new();
             for (body, start, share, sign) in [
                 (a, start_a, shares[0], R::one()),
@@ -263,7 +295,7 @@ impl<R: Real, const D: usize> Scene<R, D> {
             }));
         }
         self.conditions.extend(conditions);
-        Ok(())
+        self.weld([one, other], axes, &weld)
     }
 
     /// Any linear constraint, `sum a u = 0` over displacements `u` of components of nodal vectors

@@ -1,17 +1,23 @@
 //! The assembled system: coordinates, constant mass, loads and the bodies' elastic forces, as the
 //! solvers see them through [`Structure`].
 
+mod saddle;
+
+pub use saddle::Drift;
+
 use std::fmt;
+use std::ops::Range;
 
 use super::chain::Body;
 use super::joint::Course;
 use super::load::NodalLoad;
+use super::tie::{Connecting, Holding};
 use super::{Node, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{Matrix, Rate, Secant, State, Structure, Unknowns};
+use crate::solver::{Matrix, Rate, Secant, State, Structure, Unknowns, Workspace};
 use crate::tensor::{add_scaled, cross, sum};
 
 /// Energy balance of a state (J).
@@ -23,17 +29,17 @@ pub struct Energies<R> {
     pub elastic: R,
     /// Potential of gravity, zero in the reference state.
     pub gravity: R,
-    /// Work of nodal loads.
+    /// Work of nodal loads and of motions given in time.
     pub work: R,
 }
 
 impl<R: Real> Energies<R> {
-    /// Kinetic plus elastic plus gravity: constant without nodal loads.
+    /// Kinetic plus elastic plus gravity: constant without nodal loads and given motions.
     pub fn total(&self) -> R {
         self.kinetic + self.elastic + self.gravity
     }
 
-    /// [`total`](Self::total) minus the work of loads: constant along a motion, up to the error
+    /// [`total`](Self::total) minus the work of loads and given motions: constant along a motion, up to the error
     /// of the time integration (statics books no work).
     pub fn balance(&self) -> R {
         self.total() - self.work
@@ -55,6 +61,10 @@ pub struct System<R: Real, const D: usize> {
     scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
+    connectors: Vec<Box<dyn Connecting<R>>>,
+    constraints: Vec<Box<dyn Holding<R>>>,
+    /// Factor by which the mass is scaled beside the constraints.
+    mass_factor: R,
     unknowns: Unknowns<R>,
     courses: Vec<Course<R>>,
     reference: Vec<R>,
@@ -73,23 +83,38 @@ impl<R: Real, const D: usize> System<R, D> {
             conditions,
             courses,
             loads,
+            connectors,
+            mut constraints,
+            masses,
             gravity,
             size,
         } = scene;
         if bodies.is_empty() {
             return Err(Error::EmptyScene);
         }
-        let unknowns = Unknowns::new(size, conditions, |tell| {
+        let mut all = size;
+        for constraint in &mut constraints {
+            constraint.number(all);
+            all += constraint.count();
+        }
+        let unknowns = Unknowns::with_multipliers(all, size..all, conditions, |tell| {
             bodies.iter().for_each(|body| body.elastic().couple(tell));
+            connectors.iter().for_each(|link| link.couple(tell));
+            constraints.iter().for_each(|hold| hold.couple(tell));
         })?;
-        let mut reference = vec![R::zero(); size];
-        let mut measure = vec![R::one(); size];
+        let mut reference = vec![R::zero(); all];
+        let mut measure = vec![R::one(); all];
+        // Rigid bodies are measured by the beams they are joined to.
+        let lengths = bodies.iter().map(Body::length);
+        let longest = lengths.fold(R::zero(), R::larger);
+        let longest = if longest.is_zero() { R::one() } else { longest };
         for body in &bodies {
             body.elastic().reference(&mut reference);
             let per_node = body.vectors().len();
             for (i, unit) in measure[body.range()].iter_mut().enumerate() {
                 if body.vectors()[(i / D) % per_node] == NodalVector::Position {
-                    *unit = body.length();
+                    let length = body.length();
+                    *unit = if length.is_zero() { longest } else { length };
                 }
             }
         }
@@ -115,27 +140,54 @@ impl<R: Real, const D: usize> System<R, D> {
             for body in &bodies {
                 body.elastic().inertia(&mut matrix, &mut first)?;
             }
+            for (vector, m) in masses {
+                matrix.add(vector, vector, m)?;
+                first[vector] += m;
+            }
             mass = Some(matrix);
             if let Some(g) = gravity {
-                weight = Some(first.iter().flat_map(|m| g.map(|g| *m * g)).collect());
+                weight = Some({
+                    let weight = first.iter().flat_map(|m| g.map(|g| *m * g));
+                    weight.chain(vec![R::zero(); all - size]).collect()
+                });
             }
-        } else if gravity.is_some() {
+        } else if gravity.is_some() || !masses.is_empty() {
             return Err(Error::Unsupported {
-                what: "gravity on beams without density".into(),
+                what: "gravity or point masses on beams without density".into(),
                 remedy: "give the beams a density with Beam::density",
             });
         }
-        Ok(Self {
+        let mut system = Self {
             scene: id,
             bodies,
             loads,
+            connectors,
+            constraints,
+            mass_factor: R::one(),
             unknowns,
             courses,
             reference,
             measure,
             mass,
             weight,
-        })
+        };
+        system.scale_constraints()?;
+        Ok(system)
+    }
+
+    /// The forces that supports, joints, motions and nonlinear constraints exert on every
+    /// coordinate in a state (N on positions, N m on slopes): what internal forces and inertia
+    /// need beyond the loads. On a coordinate that only a support holds it is the reaction; where
+    /// nothing holds it is what the solver left. Allocates.
+    ///
+    /// # Errors
+    /// When the state is of another system's size or not finite, or a load is not finite.
+    pub fn reactions(&self, state: &State<R>) -> Result<Vec<R>> {
+        let size = self.reference.len();
+        state.check(size)?;
+        let mut forces = vec![R::zero(); size];
+        Workspace::add_reactions(self, state, &mut forces)?;
+        Ok(forces)
     }
 
     /// The reference state at rest at time zero.
@@ -276,7 +328,7 @@ impl<R: Real, const D: usize> System<R, D> {
         let fall = |w: &Vec<R>| -w.iter().zip(u).map(|(w, u)| *w * *u).sum::<R>();
         Ok(Energies {
             kinetic,
-            elastic: self.bodies.iter().map(|b| b.elastic().energy(u)).sum(),
+            elastic: self.elastic(u),
             gravity: self.weight.as_ref().map_or(R::zero(), fall),
             work: state.work,
         })
@@ -310,6 +362,12 @@ impl<R: Real, const D: usize> System<R, D> {
         Ok(momenta)
     }
 
+    fn elastic(&self, u: &[R]) -> R {
+        let bodies = self.bodies.iter().map(|body| body.elastic().energy(u));
+        let connectors = self.connectors.iter().map(|link| link.energy(u));
+        bodies.chain(connectors).sum()
+    }
+
     /// What is modelled, in words: unknowns, bodies, terms switched on.
     pub fn describe(&self) -> String {
         self.to_string()
@@ -328,7 +386,7 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             f,
             "{} {plural} in {D} dimensions, {} coordinates, {} of them held by supports and joints",
             self.bodies.len(),
-            self.reference.len(),
+            self.multipliers().start,
             self.reference.len() - self.unknowns.count()
         )?;
         for body in &self.bodies {
@@ -337,6 +395,12 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
         writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
         writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
         writeln!(f, "  nodal loads: {}", self.loads.len())?;
+        if !self.connectors.is_empty() {
+            writeln!(f, "  connectors: {}", self.connectors.len())?;
+        }
+        if !self.constraints.is_empty() {
+            writeln!(f, "  nonlinear constraints: {}", self.multipliers().len())?;
+        }
         write!(f, "  symmetric tangent: {}", on(self.symmetric()))
     }
 }
@@ -354,6 +418,38 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         self.unknowns.impose(x, |k| self.courses[k].at(time, rate))
     }
 
+    fn multipliers(&self) -> Range<usize> {
+        let count: usize = self.constraints.iter().map(|c| c.count()).sum();
+        self.reference.len() - count..self.reference.len()
+    }
+
+    fn add_holding(&self, time: R, u: &[R], q: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.force(time, u, q);
+        }
+    }
+
+    fn violation(&self, rate: Rate, state: &State<R>, out: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.violation(rate, state, &mut |i, value, scale| out[i] = scale * value);
+        }
+    }
+
+    fn add_projection(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<R> {
+        self.add_mass(self.mass_factor, k)?;
+        let mut result = Ok(());
+        for constraint in &self.constraints {
+            constraint.gradient(time, u, &mut |multiplier, i, slope| {
+                for (i, j) in [(multiplier, i), (i, multiplier)] {
+                    let added = k.add(i, j, slope);
+                    result = std::mem::replace(&mut result, Ok(())).and(added);
+                }
+            });
+        }
+        result?;
+        Ok(self.mass_factor)
+    }
+
     fn measure(&self) -> &[R] {
         &self.measure
     }
@@ -361,6 +457,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     fn add_internal(&self, u: &[R], q: &mut [R]) {
         for body in &self.bodies {
             body.elastic().force(u, q);
+        }
+        for link in &self.connectors {
+            link.force(u, q);
         }
     }
 
@@ -371,6 +470,10 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
             }
         }
         self.add_applied(time, factor, u, q)
+    }
+
+    fn is_driven(&self) -> bool {
+        !self.courses.is_empty() || self.constraints.iter().any(|c| c.moves())
     }
 
     fn has_applied(&self) -> bool {
@@ -389,6 +492,12 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for body in &self.bodies {
             body.elastic().tangent(u, k)?;
         }
+        for link in &self.connectors {
+            link.tangent(u, k)?;
+        }
+        for constraint in &self.constraints {
+            constraint.tangent(time, u, k)?;
+        }
         for load in &self.loads {
             let amplitude = factor * load.amplitude(time)?;
             load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
@@ -397,7 +506,8 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn secant(&self) -> Secant {
-        match self.bodies.iter().all(|b| b.elastic().has_strain()) {
+        let strained = self.bodies.iter().all(|b| b.elastic().has_strain());
+        match strained && self.connectors.is_empty() {
             true => Secant::Strain,
             false => Secant::Path,
         }
@@ -406,6 +516,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     fn add_secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
         for body in &self.bodies {
             body.elastic().secant(viscosity, from, to, q);
+        }
+        for link in &self.connectors {
+            link.secant(from, to, q);
         }
     }
 
@@ -420,6 +533,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for body in &self.bodies {
             body.elastic().secant_tangent(viscosity, from, to, k)?;
         }
+        for link in &self.connectors {
+            link.secant_tangent(from, to, k)?;
+        }
         let half = R::lit(0.5);
         for load in &self.loads {
             let amplitude = half * factor * load.amplitude(time)?;
@@ -432,7 +548,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     fn name(&self, i: usize) -> String {
         let inside = |(_, body): &(usize, &Body<R, D>)| body.range().contains(&i);
         let Some((index, body)) = self.bodies.iter().enumerate().find(inside) else {
-            return format!("coordinate {i}");
+            return self.name_constraint(i);
         };
         let vector = (i - body.range().start) / D;
         let per_node = body.vectors().len();

@@ -27,15 +27,18 @@ mod lu;
 mod matrix;
 mod profile;
 
+pub(super) use ldlt::{GROWTH, NOISE};
 pub use matrix::BandMatrix;
 pub use profile::Profile;
 
+use super::sparse::{SparseLdlt, SparseMatrix};
+use super::stored::Stored;
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use ldlt::Ldlt;
 use lu::Lu;
 
-/// Factorisation of a [`BandMatrix`], with workspace that is allocated once and used again for
+/// Factorisation of a [`BandMatrix`] or of a structure's [`Stored`] matrix, with workspace that is allocated once and used again for
 /// every matrix of the same profile.
 ///
 /// Symmetric matrices are factorised as `L D L^T` without pivoting, which keeps to the envelope
@@ -43,21 +46,51 @@ use lu::Lu;
 /// saddle points in which every multiplier is numbered after the unknowns it holds and its
 /// coefficients are not large against their stiffness. The growth of the entries is watched:
 /// when they outgrow their row or a pivot drowns in rounding, the matrix is factorised afresh
-/// by equilibrated band LU with partial pivoting. General matrices always take LU.
+/// by equilibrated band LU with partial pivoting. General matrices always take LU. Matrices that
+/// are stored sparse are factorised by blocks in an order of little fill, under the same watch.
 #[derive(Debug, Clone)]
 pub struct Factor<R> {
     profile: Profile,
     ldlt: Option<Ldlt<R>>,
+    sparse: Option<SparseLdlt<R>>,
     lu: Option<Lu<R>>,
+    /// A sparse matrix on its way to LU.
+    spread: Option<BandMatrix<R>>,
     held: Held,
 }
 
-/// Which of the two workspaces holds the factors of the last matrix.
+/// Which of the workspaces holds the factors of the last matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Held {
     Nothing,
     Ldlt,
+    Sparse,
     Lu,
+}
+
+/// A matrix to factorise, in whatever way it is stored.
+#[derive(Debug)]
+pub struct Entries<'a, R>(Kept<'a, R>);
+
+#[derive(Debug)]
+enum Kept<'a, R> {
+    Band(&'a BandMatrix<R>),
+    Sparse(&'a SparseMatrix<R>),
+}
+
+impl<'a, R> From<&'a BandMatrix<R>> for Entries<'a, R> {
+    fn from(matrix: &'a BandMatrix<R>) -> Self {
+        Self(Kept::Band(matrix))
+    }
+}
+
+impl<'a, R> From<&'a Stored<R>> for Entries<'a, R> {
+    fn from(matrix: &'a Stored<R>) -> Self {
+        Self(match matrix.kept() {
+            super::stored::Kept::Band(matrix) => Kept::Band(matrix),
+            super::stored::Kept::Sparse(_, matrix) => Kept::Sparse(matrix),
+        })
+    }
 }
 
 impl<R: Real> Factor<R> {
@@ -70,8 +103,10 @@ impl<R: Real> Factor<R> {
     pub fn new(profile: &Profile, symmetric: bool) -> Self {
         Self {
             profile: profile.clone(),
-            ldlt: symmetric.then(|| Ldlt::new(profile)),
+            ldlt: (symmetric && profile.pattern().is_none()).then(|| Ldlt::new(profile)),
+            sparse: profile.pattern().filter(|_| symmetric).map(SparseLdlt::new),
             lu: (!symmetric).then(|| Lu::new(profile)),
+            spread: None,
             held: Held::Nothing,
         }
     }
@@ -83,9 +118,30 @@ impl<R: Real> Factor<R> {
     /// [`Error::Singular`] names the first unknown whose pivot vanishes (a matrix that is
     /// singular only up to rounding may pass, and then gives huge solutions),
     /// [`Error::NotFinite`] reports NaN or infinity met in elimination, [`Error::Length`] a
-    /// matrix of another profile. After an error there is nothing to solve with.
-    pub fn factor(&mut self, matrix: &BandMatrix<R>) -> Result<()> {
+    /// matrix of another profile, [`Error::Unsupported`] one stored in another way. After an error there is nothing to solve with.
+    pub fn factor<'a>(&mut self, matrix: impl Into<Entries<'a, R>>) -> Result<()> {
         self.held = Held::Nothing;
+        let Entries(matrix) = matrix.into();
+        let matrix = match (matrix, &mut self.sparse) {
+            (Kept::Band(matrix), _) => matrix,
+            (Kept::Sparse(matrix), Some(sparse)) => {
+                if sparse.factor(matrix)? {
+                    self.held = Held::Sparse;
+                    return Ok(());
+                }
+                let spread = self
+                    .spread
+                    .get_or_insert_with(|| BandMatrix::symmetric(&self.profile));
+                matrix.copy_to(spread)?;
+                spread
+            }
+            (Kept::Sparse(_), None) => {
+                return Err(Error::Unsupported {
+                    what: "a sparse matrix given to a factorisation of general ones".into(),
+                    remedy: "construct both from one profile as symmetric, or both as general",
+                });
+            }
+        };
         self.profile.check_same(matrix.profile())?;
         if matrix.is_symmetric()
             && let Some(ldlt) = &mut self.ldlt
@@ -107,9 +163,10 @@ impl<R: Real> Factor<R> {
     /// matrix has been factorised.
     pub fn solve(&mut self, x: &mut [R]) -> Result<()> {
         Error::check_length("right-hand side", x.len(), self.profile.size())?;
-        match (self.held, &self.ldlt, &mut self.lu) {
-            (Held::Ldlt, Some(ldlt), _) => ldlt.solve(&self.profile, x),
-            (Held::Lu, _, Some(lu)) => lu.solve(&self.profile, x),
+        match (self.held, &self.ldlt, &self.sparse, &mut self.lu) {
+            (Held::Ldlt, Some(ldlt), ..) => ldlt.solve(&self.profile, x),
+            (Held::Sparse, _, Some(sparse), _) => sparse.solve(x),
+            (Held::Lu, .., Some(lu)) => lu.solve(&self.profile, x),
             _ => {
                 return Err(Error::Unsupported {
                     what: "solving without factors".into(),
@@ -125,9 +182,10 @@ impl<R: Real> Factor<R> {
     /// that the matrix is positive definite: the equilibrium it belongs to is stable.
     #[must_use]
     pub fn inertia(&self) -> Option<usize> {
-        match (self.held, &self.ldlt) {
-            (Held::Ldlt, Some(ldlt)) => Some(ldlt.negative()),
-            _ => None,
+        match self.held {
+            Held::Ldlt => self.ldlt.as_ref().map(Ldlt::negative),
+            Held::Sparse => self.sparse.as_ref().map(SparseLdlt::negative),
+            Held::Lu | Held::Nothing => None,
         }
     }
 }

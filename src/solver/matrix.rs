@@ -1,7 +1,7 @@
 //! A matrix that is written by coordinates and stored by unknowns: elements and loads add to the
 //! coordinates they know, and what follows from other coordinates goes where those are.
 
-use super::band::BandMatrix;
+use super::stored::Stored;
 use super::unknowns::{Combination, Unknowns};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
@@ -11,7 +11,7 @@ use crate::scalar::Real;
 #[derive(Debug, Clone)]
 pub struct Matrix<R> {
     unknowns: Unknowns<R>,
-    stored: BandMatrix<R>,
+    stored: Stored<R>,
 }
 
 impl<R: Real> Matrix<R> {
@@ -22,22 +22,31 @@ impl<R: Real> Matrix<R> {
         Self {
             unknowns: unknowns.clone(),
             stored: if symmetric {
-                BandMatrix::symmetric(profile)
+                Stored::symmetric(profile)
             } else {
-                BandMatrix::general(profile)
+                Stored::general(profile)
             },
         }
     }
 
     /// The matrix over the unknowns.
     #[must_use]
-    pub fn stored(&self) -> &BandMatrix<R> {
+    pub fn stored(&self) -> &Stored<R> {
         &self.stored
     }
 
     /// The entries over the unknowns, to write.
-    pub(crate) fn stored_mut(&mut self) -> &mut BandMatrix<R> {
+    pub(crate) fn stored_mut(&mut self) -> &mut Stored<R> {
         &mut self.stored
+    }
+
+    /// The diagonal entry of every coordinate that is an unknown; zero for the others.
+    pub(crate) fn diagonal(&self) -> Vec<R> {
+        let mut diagonal = vec![R::zero(); self.unknowns.coordinates()];
+        for (q, i) in self.unknowns.free().iter().enumerate() {
+            diagonal[*i] = self.stored.get(q, q);
+        }
+        diagonal
     }
 
     /// Sets every entry to zero.

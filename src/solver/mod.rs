@@ -1,12 +1,15 @@
-//! Solvers: linear algebra of chains, Newton's method, statics. They live apart from the mechanics
+//! Solvers: linear algebra of chains, trees and loops, Newton's method, statics. They live apart from the mechanics
 //! because they know nothing of beams: they see a [`Structure`] through residuals, tangents and
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
 mod matrix;
 mod newton;
+mod order;
+mod sparse;
 mod state;
 mod statics;
+mod stored;
 mod structure;
 mod unknowns;
 
@@ -16,5 +19,6 @@ pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
+pub use stored::Stored;
 pub use structure::{Rate, Secant, Structure};
 pub use unknowns::{Condition, Unknowns};

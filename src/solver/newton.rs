@@ -102,20 +102,23 @@ pub(crate) struct Workspace<R> {
     tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
-    /// Whether the factors are those of the mass alone.
-    holds_mass: bool,
+    /// The scale of the mass, while the factors are those of the mass alone.
+    held_mass: Option<R>,
     /// What rounding of the internal forces may leave at the state of the last tangent.
     floor: R,
     internal: Vec<R>,
     external: Vec<R>,
     inertia: Vec<R>,
     scratch: Vec<R>,
+    /// What projects rates onto the constraints; nothing without constraints.
+    projection: Option<(Matrix<R>, Factor<R>)>,
     /// Sum of the corrections of the last solve.
     moved: Vec<R>,
     /// Right-hand side and solution by unknowns.
     unknown: Vec<R>,
-    /// Another vector by unknowns.
+    /// Two more vectors by unknowns.
     rounded: Vec<R>,
+    positions: Vec<R>,
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
@@ -145,22 +148,27 @@ impl<R: Real> Workspace<R> {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
-            holds_mass: false,
+            held_mass: None,
             floor: R::zero(),
             internal: zeros(),
             external: zeros(),
             inertia: zeros(),
             scratch: zeros(),
+            projection: (!structure.multipliers().is_empty()).then(|| {
+                let matrix = Matrix::zero(unknowns, true);
+                (matrix, Factor::new(unknowns.profile(), true))
+            }),
             moved: zeros(),
             unknown: vec![R::zero(); unknowns.count()],
             rounded: vec![R::zero(); unknowns.count()],
+            positions: vec![R::zero(); unknowns.count()],
         }
     }
 
     /// Forgets the factorisation, so that the next solve makes a new one.
     pub(crate) fn forget(&mut self) {
         self.factored = false;
-        self.holds_mass = false;
+        self.held_mass = None;
     }
 
     /// Sum of the corrections of the last solve: `u` minus the guess, with all its digits.
@@ -257,22 +265,117 @@ impl<R: Real> Workspace<R> {
             inertia: Some((R::zero(), &state.acceleration)),
         };
         self.balance(structure, &equations, &state.displacement)?;
-        if !self.holds_mass {
-            self.forget();
-            self.tangent.clear();
-            structure.add_mass(R::one(), &mut self.tangent)?;
-            self.factor.factor(self.tangent.stored())?;
-            self.holds_mass = true;
+        let multipliers = structure.multipliers();
+        // Constraints turn with the motion, the mass alone never changes.
+        let mass = match self.held_mass {
+            Some(mass) if multipliers.is_empty() => mass,
+            _ => {
+                self.forget();
+                self.tangent.clear();
+                let u = &state.displacement;
+                let mass = structure.add_projection(state.time, u, &mut self.tangent)?;
+                let factored = self.factor.factor(self.tangent.stored());
+                factored.map_err(|error| match singular(structure, error.clone()) {
+                    redundant @ Error::Redundant { .. } => redundant,
+                    _ => error,
+                })?;
+                self.held_mass = Some(mass);
+                mass
+            }
+        };
+        for force in &mut self.scratch {
+            *force *= mass;
         }
+        self.scratch[multipliers.clone()].fill(R::zero());
         self.solve_linear(structure.unknowns())?;
         for (a, change) in state.acceleration.iter_mut().zip(&self.scratch) {
             *a += *change;
         }
+        for i in multipliers {
+            state.displacement[i] += self.scratch[i] / mass;
+        }
+        self.settle(structure, state)
+    }
+
+    /// Makes velocity and acceleration of a state obey the constraints, by the smallest change in
+    /// kinetic energy, and the multipliers balance the acceleration. Without constraints there is
+    /// nothing to do.
+    pub(crate) fn settle<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        state: &mut State<R>,
+    ) -> Result<()> {
+        let multipliers = structure.multipliers();
+        if multipliers.is_empty() {
+            return Ok(());
+        }
+        state.velocity[multipliers.clone()].fill(R::zero());
+        state.acceleration[multipliers.clone()].fill(R::zero());
+        let Some((matrix, factor)) = &mut self.projection else {
+            return Ok(());
+        };
+        matrix.clear();
+        let mass = structure.add_projection(state.time, &state.displacement, matrix)?;
+        factor
+            .factor(matrix.stored())
+            .map_err(|error| singular(structure, error))?;
+        let unknowns = structure.unknowns();
+        for rate in [Rate::Velocity, Rate::Acceleration] {
+            self.scratch.fill(R::zero());
+            structure.violation(rate, state, &mut self.scratch);
+            for residual in &mut self.scratch[multipliers.clone()] {
+                *residual = -*residual;
+            }
+            solve_by(factor, unknowns, &mut self.unknown, &mut self.scratch)?;
+            let x = match rate {
+                Rate::Acceleration => &mut state.acceleration,
+                _ => &mut state.velocity,
+            };
+            for i in (0..x.len()).filter(|i| !multipliers.contains(i)) {
+                x[i] += self.scratch[i];
+            }
+        }
+        for i in multipliers {
+            state.displacement[i] += self.scratch[i] / mass;
+        }
         Ok(())
     }
 
-    /// Work of the applied forces over a step: their mean over `samples` (weight, time, state)
-    /// along the way from the state `now` to `next`.
+    /// Adds to `q`, zero before, the forces that supports, joints, motions and constraints exert in a
+    /// state: what is left of the balance without them.
+    pub(crate) fn add_reactions<S: Structure<R> + ?Sized>(
+        structure: &S,
+        state: &State<R>,
+        q: &mut [R],
+    ) -> Result<()> {
+        structure.add_internal(&state.displacement, q);
+        structure.add_mass_times(R::one(), &state.acceleration, q);
+        structure.add_external(state.time, -R::one(), &state.displacement, q)
+    }
+
+    /// Work over a step, by the trapezoidal rule, of what moves coordinates in time: the reactions'
+    /// own, since those of resting supports and joints do none.
+    fn driven_work<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        now: &State<R>,
+        next: &State<R>,
+    ) -> Result<R> {
+        let mut work = R::zero();
+        if structure.is_driven() {
+            for state in [now, next] {
+                self.internal.fill(R::zero());
+                Self::add_reactions(structure, state, &mut self.internal)?;
+                let moved = next.displacement.iter().zip(&now.displacement);
+                let forces = self.internal.iter().zip(moved);
+                work += forces.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>() * R::lit(0.5);
+            }
+        }
+        Ok(work)
+    }
+
+    /// Work over a step of the applied forces, their mean over `samples` (weight, time, state)
+    /// along the way from the state `now` to `next`, and of given motions.
     pub(crate) fn work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
@@ -280,8 +383,9 @@ impl<R: Real> Workspace<R> {
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
+        let driven = self.driven_work(structure, now, next)?;
         if !structure.has_applied() {
-            return Ok(R::zero());
+            return Ok(driven);
         }
         self.external.fill(R::zero());
         for (weight, time, u) in samples {
@@ -289,7 +393,7 @@ impl<R: Real> Workspace<R> {
         }
         let moved = next.displacement.iter().zip(&now.displacement);
         let work = self.external.iter().zip(moved);
-        Ok(work.map(|(q, (b, a))| *q * (*b - *a)).sum())
+        Ok(driven + work.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>())
     }
 
     fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
@@ -311,6 +415,7 @@ impl<R: Real> Workspace<R> {
         self.internal.fill(R::zero());
         self.external.fill(R::zero());
         structure.add_internal(u, &mut self.internal);
+        structure.add_holding(equations.time, u, &mut self.internal);
         structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
         if let Some(initial) = equations.initial {
             let rest = R::one() - equations.factor;
@@ -377,16 +482,9 @@ impl<R: Real> Workspace<R> {
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
-        match self.factor.factor(self.tangent.stored()) {
-            Err(Error::Singular { unknown, pivot }) => Err(Error::Mechanism {
-                coordinate: structure.name(structure.unknowns().free()[unknown]),
-                pivot,
-            }),
-            other => {
-                self.factored = other.is_ok();
-                other
-            }
-        }
+        let factored = self.factor.factor(self.tangent.stored());
+        self.factored = factored.is_ok();
+        factored.map_err(|error| singular(structure, error))
     }
 
     /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:
@@ -400,6 +498,20 @@ impl<R: Real> Workspace<R> {
         let stored = self.tangent.stored();
         stored.abs_mul_vec(&self.unknown, &mut self.rounded)?;
         let measure = structure.measure();
+        let multipliers = structure.multipliers();
+        if !multipliers.is_empty() {
+            // Constraints are formed from positions, which are as large as the structure however
+            // small its displacements.
+            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+                *q = measure[i];
+            }
+            stored.abs_mul_vec(&self.unknown, &mut self.positions)?;
+            for (q, rounded) in self.rounded.iter_mut().enumerate() {
+                if multipliers.contains(&unknowns.free()[q]) {
+                    *rounded = self.positions[q] * R::lit(4.0);
+                }
+            }
+        }
         let mut square = R::zero();
         for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
             let part = *rounded * measure[i];
@@ -410,15 +522,12 @@ impl<R: Real> Workspace<R> {
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
     fn solve_linear(&mut self, unknowns: &Unknowns<R>) -> Result<()> {
-        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-            *q = self.scratch[i];
-        }
-        self.factor.solve(&mut self.unknown)?;
-        for (q, &i) in self.unknown.iter().zip(unknowns.free()) {
-            self.scratch[i] = *q;
-        }
-        unknowns.follow(&mut self.scratch);
-        Ok(())
+        solve_by(
+            &mut self.factor,
+            unknowns,
+            &mut self.unknown,
+            &mut self.scratch,
+        )
     }
 
     /// Applies one correction and returns its largest component in natural sizes.
@@ -432,6 +541,45 @@ impl<R: Real> Workspace<R> {
             largest = largest.larger((*du / *measure).abs());
         }
         Ok(largest)
+    }
+}
+
+/// Replaces the reduced forces in `x` by the changes of all coordinates they bring.
+fn solve_by<R: Real>(
+    factor: &mut Factor<R>,
+    unknowns: &Unknowns<R>,
+    unknown: &mut [R],
+    x: &mut [R],
+) -> Result<()> {
+    for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
+        *q = x[i];
+    }
+    factor.solve(unknown)?;
+    for (q, &i) in unknown.iter().zip(unknowns.free()) {
+        x[i] = *q;
+    }
+    unknowns.follow(x);
+    Ok(())
+}
+
+/// A singular matrix in the words of the structure.
+fn singular<R: Real, S: Structure<R> + ?Sized>(structure: &S, error: Error) -> Error {
+    match error {
+        Error::Singular { unknown, pivot } => {
+            let coordinate = structure.unknowns().free()[unknown];
+            let name = structure.name(coordinate);
+            match structure.multipliers().contains(&coordinate) {
+                true => Error::Redundant {
+                    constraint: name,
+                    pivot,
+                },
+                false => Error::Mechanism {
+                    coordinate: name,
+                    pivot,
+                },
+            }
+        }
+        other => other,
     }
 }
 

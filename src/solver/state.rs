@@ -4,20 +4,21 @@ use crate::error::{Error, Result};
 use crate::scalar::Real;
 
 /// Where a structure is: time, nodal displacements (current minus reference coordinates), their
-/// rates, and the work done by nodal loads so far.
+/// rates, and the work done by nodal loads and given motions so far.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<R> {
     /// Time (s); in statics the parameter at which time-dependent loads are taken.
     pub time: R,
-    /// Displacement of every coordinate: metres for positions, dimensionless for slopes.
+    /// Displacement of every coordinate: metres for positions, dimensionless for slopes; after them
+    /// the multipliers of nonlinear constraints, if there are any.
     pub displacement: Vec<R>,
     /// Velocity of every coordinate (1/s).
     pub velocity: Vec<R>,
     /// Acceleration of every coordinate (1/s^2): at this time, or its mean over the last step after
     /// methods whose forces are those of a whole step.
     pub acceleration: Vec<R>,
-    /// Work of nodal forces and moments since the state was made (J) (gravity is a potential and
-    /// counted apart).
+    /// Work of nodal forces and moments and of motions given in time since the state was made (J)
+    /// (gravity is a potential and counted apart).
     pub work: R,
 }
 

@@ -90,6 +90,7 @@ impl Statics {
         let mut u = state.displacement.clone();
         let mut initial = vec![R::zero(); u.len()];
         structure.add_internal(&u, &mut initial);
+        structure.add_holding(state.time, &u, &mut initial);
         let bound = Bound::new(structure, state)?;
         while reached < R::one() {
             let mut factor = (reached + step).smaller(R::one());
@@ -126,7 +127,11 @@ impl Statics {
                 }
                 Err(error @ Error::LoadNotFinite { .. }) => return Err(error),
                 // Before any load has acted no smaller step can help.
-                Err(error @ Error::Mechanism { .. }) if report.steps == 0 => return Err(error),
+                Err(error @ (Error::Mechanism { .. } | Error::Redundant { .. }))
+                    if report.steps == 0 =>
+                {
+                    return Err(error);
+                }
                 Err(error) => {
                     step *= R::lit(0.5);
                     // An extrapolated guess that failed is not tried again.

@@ -2,7 +2,10 @@
 //! vector of coordinates. Beams are one implementation; a pendulum of one unknown in a test is
 //! another.
 
+use std::ops::Range;
+
 use super::matrix::Matrix;
+use super::state::State;
 use super::unknowns::Unknowns;
 use crate::error::{Error, Result};
 use crate::scalar::Real;
@@ -50,6 +53,32 @@ pub trait Structure<R: Real> {
         Ok(())
     }
 
+    /// Coordinates that are Lagrange multipliers of nonlinear constraints; none by default. They
+    /// have no mass, and states carry no velocity or acceleration of them.
+    fn multipliers(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// Adds what the constraints contribute to the internal forces: their forces on the
+    /// coordinates they hold, and their residuals, in units that make the tangent symmetric, on
+    /// their multipliers. The derivative of both is part of the tangent.
+    fn add_holding(&self, _time: R, _u: &[R], _q: &mut [R]) {}
+
+    /// Writes the residuals of the constraints (`Rate::Displacement`) or their rates in a state on
+    /// the multipliers in `out`, in the units of [`add_holding`](Self::add_holding).
+    fn violation(&self, _rate: Rate, _state: &State<R>, _out: &mut [R]) {}
+
+    /// Adds the matrix by which rates of the coordinates are projected onto what the constraints
+    /// allow, `[f M, G^T; G, 0]` with the derivatives `G` of the residuals and the mass scaled by a
+    /// factor `f` that brings both to one size. Returns `f`.
+    ///
+    /// # Errors
+    /// When the matrix is of other unknowns.
+    fn add_projection(&self, _time: R, _u: &[R], k: &mut Matrix<R>) -> Result<R> {
+        self.add_mass(R::one(), k)?;
+        Ok(R::one())
+    }
+
     /// Natural size of each coordinate (the length of the body for positions, 1 for slopes): what
     /// makes residuals and corrections comparable between scenes of any size.
     fn measure(&self) -> &[R];
@@ -68,6 +97,12 @@ pub trait Structure<R: Real> {
     /// Whether there are external forces whose work is counted step by step (nodal loads, which
     /// are no potential of the structure's own); none by default.
     fn has_applied(&self) -> bool {
+        false
+    }
+
+    /// Whether coordinates or constraints are moved in time, so that what moves them does work; not
+    /// by default.
+    fn is_driven(&self) -> bool {
         false
     }
 

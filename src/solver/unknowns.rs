@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::band::Profile;
+use super::order::number;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 
@@ -79,6 +80,8 @@ pub struct Unknowns<R> {
 struct Tables<R> {
     places: Vec<Place>,
     free: Vec<usize>,
+    /// How many unknowns in a row each coordinate starts; zero for followers.
+    runs: Vec<usize>,
     followers: Vec<Follower<R>>,
     profile: Profile,
 }
@@ -90,6 +93,7 @@ impl<R: Real> Unknowns<R> {
         let tables = Tables {
             places: (0..size).map(Place::Unknown).collect(),
             free: (0..size).collect(),
+            runs: (1..=size).rev().collect(),
             followers: Vec::new(),
             profile,
         };
@@ -113,6 +117,20 @@ impl<R: Real> Unknowns<R> {
         conditions: impl IntoIterator<Item = Condition<R>>,
         couple: impl Fn(&mut dyn FnMut(&[Range<usize>])),
     ) -> Result<Self> {
+        Self::with_multipliers(size, 0..0, conditions, couple)
+    }
+
+    /// The same where some coordinates are Lagrange multipliers: those are numbered after all
+    /// unknowns that they couple with.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn with_multipliers(
+        size: usize,
+        multipliers: Range<usize>,
+        conditions: impl IntoIterator<Item = Condition<R>>,
+        couple: impl Fn(&mut dyn FnMut(&[Range<usize>])),
+    ) -> Result<Self> {
         let followers = eliminate(size, conditions)?;
         let mut places = vec![Place::Unknown(0); size];
         for (k, follower) in followers.iter().enumerate() {
@@ -133,29 +151,33 @@ impl<R: Real> Unknowns<R> {
                 remedy: "release a support",
             });
         }
-        let mut reaches = Vec::new();
+        let mut cliques = Vec::new();
         couple(&mut |ranges| {
-            let mut span: Option<(usize, usize)> = None;
-            let mut reach = |q: usize| {
-                let (low, high) = span.unwrap_or((q, q));
-                span = Some((low.min(q), high.max(q)));
-            };
+            let mut clique = Vec::new();
             for i in ranges.iter().cloned().flatten() {
                 match &places[i] {
-                    Place::Unknown(q) => reach(*q),
+                    Place::Unknown(q) => clique.push(*q),
                     Place::Follower(k) => {
                         for (j, _) in &followers[*k].terms {
                             if let Place::Unknown(q) = places[*j] {
-                                reach(q);
+                                clique.push(q);
                             }
                         }
                     }
                 }
             }
-            reaches.extend(span.map(|(low, high)| low..high + 1));
+            if !clique.is_empty() {
+                cliques.push(clique);
+            }
         });
-        let profile = Profile::from_ranges(free.len(), reaches)?;
+        let multiplier = |q: usize| multipliers.contains(&free[q]);
+        let (order, profile) = number(free.len(), &cliques, multiplier)?;
+        let free: Vec<usize> = order.into_iter().map(|q| free[q]).collect();
+        for (q, i) in free.iter().enumerate() {
+            places[*i] = Place::Unknown(q);
+        }
         let tables = Tables {
+            runs: runs(size, &free),
             places,
             free,
             followers,
@@ -175,6 +197,7 @@ impl<R: Real> Unknowns<R> {
         let Tables {
             places,
             free,
+            runs: _,
             followers,
             profile,
         } = &*self.tables;
@@ -194,11 +217,12 @@ impl<R: Real> Unknowns<R> {
         };
         let range = |(q, reach): (usize, &usize)| q * copies..(reach + 1) * copies;
         let ranges = profile.reach().iter().enumerate().map(range);
+        let coordinate = |(q, c): (usize, usize)| free[q] * copies + c;
+        let spread_free: Vec<usize> = spread(free.len()).map(coordinate).collect();
         let tables = Tables {
             places: spread(places.len()).map(place).collect(),
-            free: spread(free.len())
-                .map(|(q, c)| free[q] * copies + c)
-                .collect(),
+            runs: runs(places.len() * copies, &spread_free),
+            free: spread_free,
             followers: spread(followers.len()).map(follower).collect(),
             profile: Profile::from_ranges(free.len() * copies, ranges)?,
         };
@@ -217,7 +241,7 @@ impl<R: Real> Unknowns<R> {
         self.tables.free.len()
     }
 
-    /// The coordinate that each unknown is, ascending.
+    /// The coordinate that each unknown is.
     pub fn free(&self) -> &[usize] {
         &self.tables.free
     }
@@ -272,13 +296,21 @@ impl<R: Real> Unknowns<R> {
     /// The first unknown of `n` coordinates from `offset` on, if they are unknowns in a row.
     #[inline]
     pub(super) fn run(&self, offset: usize, n: usize) -> Option<usize> {
-        let places = &self.tables.places;
-        // Unknowns are numbered like coordinates, so the ends tell that nothing between is missing.
-        match (places[offset], places[offset + n - 1]) {
-            (Place::Unknown(first), Place::Unknown(last)) if last - first + 1 == n => Some(first),
+        match (self.tables.runs[offset], self.tables.places[offset]) {
+            (run, Place::Unknown(first)) if run >= n => Some(first),
             _ => None,
         }
     }
+}
+
+/// How many unknowns in a row each of `size` coordinates starts, `free` being the unknowns.
+fn runs(size: usize, free: &[usize]) -> Vec<usize> {
+    let mut runs = vec![0; size];
+    for (q, &i) in free.iter().enumerate().rev() {
+        let goes_on = free.get(q + 1) == Some(&(i + 1));
+        runs[i] = if goes_on { runs[i + 1] + 1 } else { 1 };
+    }
+    runs
 }
 
 /// What a coordinate is in terms of unknowns.

@@ -67,13 +67,10 @@ impl<R: Real> Scratch<R> {
         mut show: impl FnMut(usize, usize, R) -> Result<()>,
     ) -> Result<()> {
         let matrix = self.matrix.stored();
-        for i in 0..matrix.size() {
-            let (first, row) = matrix.row(i);
-            for (j, value) in (first..).zip(row) {
-                show(i, j, *value)?;
-                if matrix.is_symmetric() && i != j {
-                    show(j, i, *value)?;
-                }
+        let profile = matrix.profile();
+        for (i, (first, reach)) in profile.first().iter().zip(profile.reach()).enumerate() {
+            for j in *first..=*reach {
+                show(i, j, matrix.get(i, j))?;
             }
         }
         Ok(())

@@ -10,12 +10,12 @@ use crate::scalar::Real;
 const PANEL: usize = 4;
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from.
-const NOISE: f64 = 4.0;
+pub(in crate::solver) const NOISE: f64 = 4.0;
 
 /// Growth of a diagonal term over the largest entry of its row that is still accepted. The
 /// backward error is at most this many rounding units; definite matrices never exceed 2, and
 /// saddle points whose stiffness block is definite stay of that order.
-const GROWTH: f64 = 256.0;
+pub(in crate::solver) const GROWTH: f64 = 256.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Ldlt<R> {

@@ -1,21 +1,38 @@
 //! The sparsity envelope of a chain: which entries of a matrix may be non-zero. It is found once
-//! from the elements and shared by every matrix and factorisation of the model.
+//! from the elements and shared by every matrix and factorisation of the model. Where the envelope
+//! of a tree or grid would be mostly zeros it carries the pattern of a sparse factor beside.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::solver::sparse::Pattern;
 
 /// Symmetric envelope of a square matrix: column `j` is coupled to the rows `j..=reach(j)`.
 ///
 /// `reach` never decreases, which is exactly what makes elimination without pivoting stay inside
 /// the envelope. Cloning is cheap: the tables are shared.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Profile {
     reach: Arc<[usize]>,
     first: Arc<[usize]>,
     half: usize,
+    pattern: Option<Arc<Pattern>>,
 }
+
+/// Profiles of the same envelope, stored in the same way.
+impl PartialEq for Profile {
+    fn eq(&self, other: &Self) -> bool {
+        let stored = match (&self.pattern, &other.pattern) {
+            (None, None) => true,
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        };
+        stored && (Arc::ptr_eq(&self.reach, &other.reach) || self.reach == other.reach)
+    }
+}
+
+impl Eq for Profile {}
 
 impl Profile {
     /// Envelope of `size` unknowns in which every one of `ranges` couples all its unknowns with
@@ -60,7 +77,24 @@ impl Profile {
             reach: reach.into(),
             first: first.into(),
             half,
+            pattern: None,
         })
+    }
+
+    /// The same envelope, with symmetric matrices stored by a sparse pattern.
+    pub(in crate::solver) fn with_pattern(mut self, pattern: Pattern) -> Self {
+        self.pattern = Some(Arc::new(pattern));
+        self
+    }
+
+    pub(in crate::solver) fn pattern(&self) -> Option<&Arc<Pattern>> {
+        self.pattern.as_ref()
+    }
+
+    /// Multiplications of a factorisation within the envelope.
+    pub(in crate::solver) fn cost(&self) -> f64 {
+        let square = |(j, reach): (usize, &usize)| ((reach - j) as f64).powi(2);
+        self.reach.iter().enumerate().map(square).sum()
     }
 
     /// Number of unknowns.
@@ -101,7 +135,7 @@ impl Profile {
             other.half_bandwidth(),
             self.half,
         )?;
-        if Arc::ptr_eq(&self.reach, &other.reach) || self.reach == other.reach {
+        if self == other {
             return Ok(());
         }
         Err(Error::Unsupported {
