@@ -4,26 +4,10 @@
 //! elasticity hidden, which is sampled point by point.
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
-use ancf::material::{Blocks, Tensor};
 use ancf::prelude::*;
+use ancf::verify::ByPoints;
 use num_dual::{Dual, Dual64};
 use simba::simd::WideF64x4;
-
-/// A material that does not say that its elasticity is constant.
-#[derive(Debug, Clone, Copy)]
-struct Hidden<M>(M);
-
-impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for Hidden<M> {
-    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
-        self.0.energy(strain)
-    }
-    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
-        self.0.stress(strain)
-    }
-    fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
-        self.0.stiffness(strain, c)
-    }
-}
 
 const LENGTH: f64 = 0.3;
 
@@ -43,7 +27,7 @@ fn sections<R: Real>() -> Vec<Box<dyn Section<R>>> {
     all
 }
 
-type Pair<M> = (Continuum<M>, Continuum<Hidden<M>>);
+type Pair<M> = (Continuum<M>, Continuum<ByPoints<M>>);
 
 /// Every remedy with the material as it is and hidden.
 fn remedies<R: Real, const D: usize>() -> Vec<Pair<SaintVenantKirchhoff<R, D>>> {
@@ -69,7 +53,7 @@ fn remedies<R: Real, const D: usize>() -> Vec<Pair<SaintVenantKirchhoff<R, D>>> 
     ];
     let hide = |c: &Continuum<_>| {
         Continuum::layered(c.layers().iter().map(|layer: &Layer<_>| Layer {
-            material: Hidden(layer.material),
+            material: ByPoints(layer.material),
             axial: layer.axial,
             across: layer.across,
         }))
@@ -156,7 +140,7 @@ fn worst<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
 where
     FullyParameterised: Element<D, S>,
     Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, FullyParameterised, D, S>,
-    Continuum<Hidden<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
+    Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
 {
     let reference = Reference::straight(&FullyParameterised, R::lit(LENGTH), frame::<R, D>());
     let mut worst: f64 = 0.0;
@@ -273,7 +257,7 @@ mod precise {
                         }
                     }
                     match hidden {
-                        true => of(Continuum::full(Hidden(solid)))(&reference, &disk, &u, &mut q),
+                        true => of(Continuum::full(ByPoints(solid)))(&reference, &disk, &u, &mut q),
                         false => of(Continuum::full(solid))(&reference, &disk, &u, &mut q),
                     }
                     q

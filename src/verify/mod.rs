@@ -41,7 +41,7 @@ pub use jacobian::{
     structure_tangent,
 };
 pub use material::{isotropy, linear_elasticity, material};
-pub use reduced::{ByEnergy, ByForce, ByStress};
+pub use reduced::{ByEnergy, ByForce, ByPoints, ByStress};
 pub use report::{Limit, Report, Row};
 pub use section::section;
 pub use vibration::{Rod, frequencies};
