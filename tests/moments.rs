@@ -247,18 +247,18 @@ mod precise {
                     u[5] = [R::lit(c - 1.0), R::lit(s), R::zero()];
                     u[6] = [R::lit(-s), R::lit(c - 1.0), R::zero()];
                     let mut q = [[R::zero(); 3]; 8];
-                    fn of<R: Real>(
-                        rule: impl Formulation<R, FullyParameterised, 3, 8>,
-                    ) -> impl Fn(&Reference<R, 3, 8>, &Disk<R>, &[[R; 3]; 8], &mut [[R; 3]; 8])
-                    {
-                        move |reference, disk, u, q| {
-                            let kernel = rule.kernel(&FullyParameterised, reference, disk);
-                            kernel.unwrap().force(u, q);
-                        }
+                    fn add<R: Real>(
+                        rule: &impl Formulation<R, FullyParameterised, 3, 8>,
+                        (reference, disk): (&Reference<R, 3, 8>, &Disk<R>),
+                        (u, q): (&[[R; 3]; 8], &mut [[R; 3]; 8]),
+                    ) {
+                        let kernel = rule.kernel(&FullyParameterised, reference, disk);
+                        kernel.unwrap().force(u, q);
                     }
+                    let (on, at) = ((&reference, &disk), (&u, &mut q));
                     match hidden {
-                        true => of(Continuum::full(ByPoints(solid)))(&reference, &disk, &u, &mut q),
-                        false => of(Continuum::full(solid))(&reference, &disk, &u, &mut q),
+                        true => add(&Continuum::full(ByPoints(solid)), on, at),
+                        false => add(&Continuum::full(solid), on, at),
                     }
                     q
                 }
