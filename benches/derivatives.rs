@@ -10,7 +10,7 @@ use std::hint::black_box;
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::verify::{ByEnergy, ByForce, ByStress};
+use ancf::verify::{ByEnergy, ByForce, ByPoints, ByStress};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 type Law = SaintVenantKirchhoff<f64, 3>;
@@ -108,17 +108,19 @@ fn central_tangent(
 fn derivatives(c: &mut Criterion) {
     let law = Law::isotropic(2.0e7, 0.3).expect("admissible constants");
     for (rule, axial, degree) in RULES {
-        let closed = kernel(law, axial, degree);
+        let moments = kernel(law, axial, degree);
+        both(c, "closed form, section integrated once", rule, &moments);
+        let closed = kernel(ByPoints(law), axial, degree);
         both(c, "closed form", rule, &closed);
         let stress = kernel(ByStress(law), axial, degree);
         both(c, "material given by stress", rule, &stress);
         let energy = kernel(ByEnergy(law), axial, degree);
         both(c, "material given by energy", rule, &energy);
-        let force = ByForce(kernel(law, axial, degree));
+        let force = ByForce(kernel(ByPoints(law), axial, degree));
         time(c, "tangent", "element given by force", rule, |u, q, k| {
             force.tangent(u, q, k)
         });
-        let bare = ByEnergy(kernel(law, axial, degree));
+        let bare = ByEnergy(kernel(ByPoints(law), axial, degree));
         both(c, "element given by energy", rule, &bare);
         time(
             c,

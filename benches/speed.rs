@@ -1,101 +1,163 @@
-//! Time of the kernels and of whole steps: `cargo bench`. Elements per second for force and
-//! tangent of the spatial and the planar beam, factorisation per element, and the paper's
-//! pendulum per step.
+//! Time of the kernels and of whole steps: `cargo bench`. Force and tangent of the spatial and the
+//! planar element at section points, from moments, in lanes and in a chain, factorisation per
+//! element, and the paper's pendulum per step.
 #![allow(
     missing_docs,
     reason = "criterion's macros define items without documentation"
 )]
 
 use std::hint::black_box;
+use std::time::{Duration, Instant};
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
+use ancf::scalar::{LaneWork, Lanes};
 use ancf::solver::{Factor, Matrix};
-use criterion::measurement::WallTime;
-use criterion::{
-    BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
-};
+use ancf::verify::ByPoints;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
-type Rule<const D: usize> =
-    fn(SaintVenantKirchhoff<f64, D>) -> Continuum<SaintVenantKirchhoff<f64, D>>;
-
-fn rubber<const D: usize>() -> SaintVenantKirchhoff<f64, D> {
-    SaintVenantKirchhoff::isotropic(2.0e7, 0.3).expect("admissible constants")
+fn rubber<R: Real, const D: usize>() -> SaintVenantKirchhoff<R, D> {
+    SaintVenantKirchhoff::isotropic(R::lit(2.0e7), R::lit(0.3)).expect("admissible constants")
 }
 
-/// Force, and force with tangent, of one kernel.
-fn timed<R: Real, K: ElementKernel<R, D, S>, const D: usize, const S: usize>(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    name: &str,
-    kernel: &K,
-    u: &[[R; D]; S],
-) {
-    group.bench_function(BenchmarkId::new("force", name), |b| {
-        b.iter(|| {
-            let mut q = [[R::zero(); D]; S];
-            kernel.force(black_box(u), &mut q);
-            q
-        });
-    });
-    group.bench_function(BenchmarkId::new("force and tangent", name), |b| {
-        let mut k: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-        b.iter(|| {
-            let mut q = [[R::zero(); D]; S];
-            kernel.tangent(black_box(u), &mut q, &mut k);
-            black_box(&k);
-            q
-        });
-    });
+fn axes<R: Real, const D: usize>() -> [[R; D]; D] {
+    std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }))
 }
 
-fn element<const D: usize, const S: usize>(c: &mut Criterion, name: &str)
+/// Evaluates a group of elements, one in each lane, a number of times; says how many and how long.
+struct Timed<'a, Kn, const D: usize, const S: usize> {
+    kernel: &'a Kn,
+    tangent: bool,
+    times: u64,
+}
+
+impl<R, Kn, const D: usize, const S: usize> LaneWork<R> for Timed<'_, Kn, D, S>
+where
+    R: Real,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = (usize, Duration);
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> (usize, Duration) {
+        let mut u = [[L::zero(); D]; S];
+        for i in 0..S {
+            for c in 0..D {
+                u[i][c] = L::lit(1e-2 * ((3 * i + c + 1) as f64).sin());
+            }
+        }
+        let mut k: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+        let start = Instant::now();
+        for _ in 0..self.times {
+            let mut q = [[L::zero(); D]; S];
+            if self.tangent {
+                self.kernel.tangent(black_box(&u), &mut q, &mut k);
+            } else {
+                self.kernel.force(black_box(&u), &mut q);
+            }
+            black_box((&q, &k));
+        }
+        (L::WIDTH, start.elapsed())
+    }
+}
+
+/// One element at section points and from moments, then in lanes, then in a chain.
+fn element<R: Real, const D: usize, const S: usize>(c: &mut Criterion, name: &str)
 where
     FullyParameterised: Element<D, S>,
-    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+    Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, FullyParameterised, D, S>,
+    Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
 {
-    let rules: [(&str, Rule<D>); 3] = [
-        ("full", Continuum::full),
-        ("reduced", Continuum::reduced),
-        ("selective", Continuum::selective_reduced),
-    ];
-    let disk = Disk::new(0.01).expect("a radius");
-    let reference = Reference::straight(
-        &FullyParameterised,
-        0.1,
-        std::array::from_fn(|a| std::array::from_fn(|c| f64::from(u8::from(a == c)))),
-    );
-    let u: [[f64; D]; S] =
-        std::array::from_fn(|i| std::array::from_fn(|c| 1e-2 * ((3 * i + c + 1) as f64).sin()));
+    let disk = Disk::new(R::lit(0.01)).expect("a radius");
+    let reference = Reference::straight(&FullyParameterised, R::lit(0.1), axes::<R, D>());
+    let moments = Continuum::selective_reduced(rubber())
+        .kernel(&FullyParameterised, &reference, &disk)
+        .expect("a rule of full rank");
+    let points = Continuum::full(ByPoints(rubber()))
+        .kernel(&FullyParameterised, &reference, &disk)
+        .expect("a rule of full rank");
+    const CHAIN: usize = 64;
+    let mut scene = Scene::<R, D>::new();
+    let beam = Beam::new(FullyParameterised, disk, Continuum::full(rubber()));
+    scene
+        .add(beam.straight([R::zero(); D], axes::<R, D>()[0], CHAIN))
+        .expect("a beam");
+    let system = scene.assemble().expect("a system");
+    let size = system.reference().len();
+    let u: Vec<R> = (0..size).map(|i| R::lit(1e-2 * (i as f64).sin())).collect();
+    let mut q = vec![R::zero(); size];
+    let mut k = Matrix::zero(system.unknowns(), true);
     let mut group = c.benchmark_group(name);
-    for (rule, make) in rules {
-        let kernel = make(rubber())
-            .kernel(&FullyParameterised, &reference, &disk)
-            .expect("a rule of full rank");
-        timed(&mut group, rule, &kernel, &u);
+    for (what, tangent) in [("force", false), ("force and tangent", true)] {
+        group.throughput(Throughput::Elements(1));
+        let kernel = &points;
+        group.bench_function(BenchmarkId::new(what, "points"), |b| {
+            let timed = |times| Timed {
+                kernel,
+                tangent,
+                times,
+            };
+            b.iter_custom(|times| timed(times).run::<R>().1);
+        });
+        let kernel = &moments;
+        let timed = |times| Timed {
+            kernel,
+            tangent,
+            times,
+        };
+        group.bench_function(BenchmarkId::new(what, "moments"), |b| {
+            b.iter_custom(|times| timed(times).run::<R>().1);
+        });
+        let (width, _) = R::dispatch(timed(1));
+        group.throughput(Throughput::Elements(width as u64));
+        group.bench_function(BenchmarkId::new(what, format!("{width} lanes")), |b| {
+            b.iter_custom(|times| R::dispatch(timed(times)).1);
+        });
+        group.throughput(Throughput::Elements(CHAIN as u64));
+        group.bench_function(BenchmarkId::new(what, "chain of 64"), |b| {
+            b.iter(|| match tangent {
+                false => system.add_internal(black_box(&u), &mut q),
+                true => system
+                    .add_tangent(R::zero(), R::one(), black_box(&u), &mut k)
+                    .expect("a tangent"),
+            });
+        });
     }
     group.finish();
 }
 
-/// What the co-moving frame costs a spatial element with full integration.
+/// What the co-moving frame adds to the 35 points of full integration.
 fn co_moving<R: Real>(c: &mut Criterion, name: &str) {
-    let solid = SaintVenantKirchhoff::isotropic(R::lit(2.0e7), R::lit(0.3));
-    let rule = Continuum::full(solid.expect("admissible constants"));
+    let rule = Continuum::full(ByPoints(rubber::<R, 3>()));
     let disk = Disk::new(R::lit(0.01)).expect("a radius");
-    let axis = |a| std::array::from_fn(|c| R::lit(if a == c { 1.0 } else { 0.0 }));
-    let frame = std::array::from_fn(axis);
-    let reference = Reference::straight(&FullyParameterised, R::lit(0.1), frame);
-    let u = |i| std::array::from_fn(|c| R::lit(1e-2 * ((3 * i + c + 1) as f64).sin()));
-    let u: [[R; 3]; 8] = std::array::from_fn(u);
-    let plain = rule.kernel(&FullyParameterised, &reference, &disk);
-    let moving = CoMoving(rule).kernel(&FullyParameterised, &reference, &disk);
+    let reference = Reference::straight(&FullyParameterised, R::lit(0.1), axes::<R, 3>());
+    let plain = rule
+        .kernel(&FullyParameterised, &reference, &disk)
+        .expect("a rule of full rank");
+    let moving = CoMoving(rule)
+        .kernel(&FullyParameterised, &reference, &disk)
+        .expect("a rule of full rank");
     let mut group = c.benchmark_group(name);
-    timed(
-        &mut group,
-        "plain",
-        &plain.expect("a rule of full rank"),
-        &u,
-    );
-    timed(&mut group, "co-moving", &moving.expect("the same"), &u);
+    for (what, tangent) in [("force", false), ("force and tangent", true)] {
+        let kernel = &plain;
+        group.bench_function(BenchmarkId::new(what, "plain"), |b| {
+            let timed = |times| Timed {
+                kernel,
+                tangent,
+                times,
+            };
+            b.iter_custom(|times| timed(times).run::<R>().1);
+        });
+        let kernel = &moving;
+        group.bench_function(BenchmarkId::new(what, "co-moving"), |b| {
+            let timed = |times| Timed {
+                kernel,
+                tangent,
+                times,
+            };
+            b.iter_custom(|times| timed(times).run::<R>().1);
+        });
+    }
     group.finish();
 }
 
@@ -172,8 +234,10 @@ fn factorisation(c: &mut Criterion) {
 }
 
 fn all(c: &mut Criterion) {
-    element::<3, 8>(c, "spatial element");
-    element::<2, 6>(c, "planar element");
+    element::<f64, 3, 8>(c, "spatial element");
+    element::<f64, 2, 6>(c, "planar element");
+    element::<f32, 3, 8>(c, "spatial element in f32");
+    element::<f32, 2, 6>(c, "planar element in f32");
     co_moving::<f32>(c, "co-moving frame, f32");
     co_moving::<f64>(c, "co-moving frame, f64");
     steps::<3, 8>(c, "pendulum in space, 10 elements");

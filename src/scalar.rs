@@ -9,13 +9,21 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, DualStruct, HyperDual};
 use num_traits::{Float, FloatConst, One, Zero};
+use simba::simd::{WideF32x8, WideF64x4};
 
 mod jet;
 mod lanes;
+#[cfg(target_arch = "x86_64")]
+#[allow(
+    unsafe_code,
+    reason = "vector instructions beyond the baseline of the architecture"
+)]
+mod x86;
 
 #[cfg(feature = "double-double")]
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
+pub use lanes::{LaneWork, Lanes};
 
 /// What a kernel needs of a number: ring operations and constants.
 ///
@@ -145,6 +153,12 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     fn value(self) -> f64;
     /// Whether the value (and every derivative it carries) is finite.
     fn finite(self) -> bool;
+    /// Runs `work` in the lanes of this type that suit the processor best; in the type itself
+    /// where there are none.
+    #[inline]
+    fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
+        work.run::<Self>()
+    }
     /// The circle constant, to the last digit of the type.
     fn pi() -> Self {
         // The sine of the rounded value is what the rounding left out.
@@ -257,7 +271,7 @@ macro_rules! plain {
 mod double_double;
 
 macro_rules! float {
-    ($($t:ty),*) => {$(
+    ($($t:ty, $portable:ty, $run:ident, $wide:ident);*) => {$(
         impl Scalar for $t {
             #[inline(always)]
             fn lit(x: f64) -> Self {
@@ -275,11 +289,24 @@ macro_rules! float {
             fn finite(self) -> bool {
                 Float::is_finite(self)
             }
+            #[inline]
+            #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "crosses the check"))]
+            fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
+                #[cfg(target_arch = "x86_64")]
+                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                    // SAFETY: the processor has the instructions.
+                    return match is_x86_feature_detected!("avx512f") {
+                        true => unsafe { x86::$wide(work) },
+                        false => unsafe { x86::$run(work) },
+                    };
+                }
+                work.run::<$portable>()
+            }
         }
         plain!($t);
     )*};
 }
-float!(f32, f64);
+float!(f32, WideF32x8, in_f32x8, in_f32x16; f64, WideF64x4, in_f64x4, in_f64x8);
 
 impl<T: Scalar + DualNumCopy> Scalar for Dual<T> {
     #[inline]
@@ -374,7 +401,6 @@ impl<R: Copy, T: Algebra<R> + DualNumCopy> Algebra<R> for HyperDual<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use simba::simd::WideF64x4;
 
     fn cube<R: Copy, T: Algebra<R>>(x: T, k: R) -> T {
         (x * x * x).times(k)

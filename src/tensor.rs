@@ -4,6 +4,17 @@
 
 use crate::scalar::{Algebra, Field, Real, Scalar};
 
+/// The array of `f(0)`, `f(1)`, ..: `std::array::from_fn` for kernels, which must be inlined whole to
+/// be compiled for the registers of lanes.
+#[inline(always)]
+pub(crate) fn array<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
+    let mut all = [f(0); N];
+    for i in 1..N {
+        all[i] = f(i);
+    }
+    all
+}
+
 /// `a . b`.
 #[inline(always)]
 pub(crate) fn dot<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
@@ -17,7 +28,13 @@ pub(crate) fn dot<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 /// `a + b`.
 #[inline(always)]
 pub(crate) fn sum<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
-    std::array::from_fn(|c| a[c] + b[c])
+    array(|c| a[c] + b[c])
+}
+
+/// `a - b`.
+#[inline(always)]
+pub(crate) fn difference<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+    array(|c| a[c] - b[c])
 }
 
 /// `y += k x`.
@@ -39,7 +56,7 @@ pub(crate) fn add_times<R: Copy, T: Algebra<R>, const D: usize>(y: &mut [T; D], 
 /// `r x` with `r` a parameter of the model.
 #[inline(always)]
 pub(crate) fn times<R: Copy, T: Algebra<R>, const D: usize>(r: R, x: &[T; D]) -> [T; D] {
-    std::array::from_fn(|c| x[c].times(r))
+    array(|c| x[c].times(r))
 }
 
 /// Cross product in space.

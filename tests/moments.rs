@@ -4,26 +4,10 @@
 //! elasticity hidden, which is sampled point by point.
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
-use ancf::material::{Blocks, Tensor};
 use ancf::prelude::*;
+use ancf::verify::ByPoints;
 use num_dual::{Dual, Dual64};
 use simba::simd::WideF64x4;
-
-/// A material that does not say that its elasticity is constant.
-#[derive(Debug, Clone, Copy)]
-struct Hidden<M>(M);
-
-impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for Hidden<M> {
-    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
-        self.0.energy(strain)
-    }
-    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
-        self.0.stress(strain)
-    }
-    fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
-        self.0.stiffness(strain, c)
-    }
-}
 
 const LENGTH: f64 = 0.3;
 
@@ -43,7 +27,7 @@ fn sections<R: Real>() -> Vec<Box<dyn Section<R>>> {
     all
 }
 
-type Pair<M> = (Continuum<M>, Continuum<Hidden<M>>);
+type Pair<M> = (Continuum<M>, Continuum<ByPoints<M>>);
 
 /// Every remedy with the material as it is and hidden.
 fn remedies<R: Real, const D: usize>() -> Vec<Pair<SaintVenantKirchhoff<R, D>>> {
@@ -69,7 +53,7 @@ fn remedies<R: Real, const D: usize>() -> Vec<Pair<SaintVenantKirchhoff<R, D>>> 
     ];
     let hide = |c: &Continuum<_>| {
         Continuum::layered(c.layers().iter().map(|layer: &Layer<_>| Layer {
-            material: Hidden(layer.material),
+            material: ByPoints(layer.material),
             axial: layer.axial,
             across: layer.across,
         }))
@@ -156,7 +140,7 @@ fn worst<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
 where
     FullyParameterised: Element<D, S>,
     Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, FullyParameterised, D, S>,
-    Continuum<Hidden<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
+    Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
 {
     let reference = Reference::straight(&FullyParameterised, R::lit(LENGTH), frame::<R, D>());
     let mut worst: f64 = 0.0;
@@ -263,18 +247,18 @@ mod precise {
                     u[5] = [R::lit(c - 1.0), R::lit(s), R::zero()];
                     u[6] = [R::lit(-s), R::lit(c - 1.0), R::zero()];
                     let mut q = [[R::zero(); 3]; 8];
-                    fn of<R: Real>(
-                        rule: impl Formulation<R, FullyParameterised, 3, 8>,
-                    ) -> impl Fn(&Reference<R, 3, 8>, &Disk<R>, &[[R; 3]; 8], &mut [[R; 3]; 8])
-                    {
-                        move |reference, disk, u, q| {
-                            let kernel = rule.kernel(&FullyParameterised, reference, disk);
-                            kernel.unwrap().force(u, q);
-                        }
+                    fn add<R: Real>(
+                        rule: &impl Formulation<R, FullyParameterised, 3, 8>,
+                        (reference, disk): (&Reference<R, 3, 8>, &Disk<R>),
+                        (u, q): (&[[R; 3]; 8], &mut [[R; 3]; 8]),
+                    ) {
+                        let kernel = rule.kernel(&FullyParameterised, reference, disk);
+                        kernel.unwrap().force(u, q);
                     }
+                    let (on, at) = ((&reference, &disk), (&u, &mut q));
                     match hidden {
-                        true => of(Continuum::full(Hidden(solid)))(&reference, &disk, &u, &mut q),
-                        false => of(Continuum::full(solid))(&reference, &disk, &u, &mut q),
+                        true => add(&Continuum::full(ByPoints(solid)), on, at),
+                        false => add(&Continuum::full(solid), on, at),
                     }
                     q
                 }

@@ -101,7 +101,7 @@ where
 pub struct CoMovingKernel<R, E, K, const D: usize, const S: usize> {
     kernel: K,
     element: PhantomData<E>,
-    positions: Positions,
+    positions: Positions<S>,
     /// Reference vectors, positions relative to the first: their parts on the grid and the rest.
     coarse: [[R; D]; S],
     fine: [[R; D]; S],
@@ -138,7 +138,7 @@ where
         let mut new = Self {
             kernel,
             element: PhantomData,
-            positions: Positions::of::<E, D, S>(),
+            positions: Positions::of::<E, D>(),
             coarse: [[R::zero(); D]; S],
             fine: [[R::zero(); D]; S],
             grid: std::array::from_fn(|i| unit * size(i)),
@@ -174,10 +174,7 @@ where
         let (mut chord, mut across) = ([T::zero(); 3], [T::zero(); 3]);
         let per_node = E::VECTORS.len();
         let first = Slope::<E, D, S>::PLACE;
-        let end = self
-            .positions
-            .split::<S>()
-            .and_then(|(_, mut p)| p.next_back());
+        let end = self.positions.split().and_then(|(_, mut p)| p.next_back());
         for c in 0..D {
             if let Some(end) = end {
                 let size = self.unit / self.grid[end];
@@ -273,7 +270,7 @@ where
                 local[i][k] = exact + small;
             }
         }
-        if let Some((first, _)) = self.positions.split::<S>() {
+        if let Some((first, _)) = self.positions.split() {
             local[first] = [T::zero(); D];
         }
         local
@@ -293,10 +290,10 @@ where
                 add_scaled(&mut turned[i], local[i][k], &rotation.whole[k]);
             }
         }
-        if let Some((first, _)) = self.positions.split::<S>() {
+        if let Some((first, _)) = self.positions.split() {
             turned[first] = [T::zero(); D];
         }
-        self.positions.add_force(turned, q);
+        self.positions.add_force(&turned, q);
     }
 }
 
@@ -353,7 +350,7 @@ where
         self.kernel.tangent(&u, &mut force, &mut tangent);
         self.add_force(&rotation, &force, q);
         let turn = &rotation.whole;
-        let first = self.positions.split::<S>().map(|(first, _)| first);
+        let first = self.positions.split().map(|(first, _)| first);
         let mut turned: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];
         for i in (0..S).filter(|i| Some(*i) != first) {
             // The second derivatives of an energy are symmetric.

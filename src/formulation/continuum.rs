@@ -12,7 +12,7 @@ use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::material::{Material, PoissonSplit};
 use crate::quadrature::gauss_legendre;
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, LaneWork, Real};
 use crate::section::Section;
 
 /// One part of the material and where it is sampled.
@@ -150,7 +150,9 @@ impl<M: PoissonSplit> Continuum<M> {
 #[derive(Debug, Clone)]
 pub enum ContinuumSection<R, M, const D: usize> {
     /// Integrated once and for all.
-    Moments(MomentSection<R, D>),
+    Moments(MomentSection<R, D, false>),
+    /// The same for a section symmetric about its axes.
+    Symmetric(MomentSection<R, D, true>),
     /// Sampled at every evaluation.
     Points(PointSection<R, M, D>),
 }
@@ -160,14 +162,21 @@ where
     R: Real,
     M: Material<R, D>,
 {
-    #[inline]
-    fn in_lanes(&self) -> bool {
-        matches!(self, Self::Moments(_))
+    #[inline(always)]
+    fn dispatch<'a, W: LaneWork<R>>(
+        mut laws: impl Iterator<Item = &'a Self>,
+        work: W,
+    ) -> W::Output {
+        match laws.all(|law| !matches!(law, Self::Points(_))) {
+            true => R::dispatch(work),
+            false => work.run::<R>(),
+        }
     }
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         match self {
+            Self::Symmetric(law) => law.energy(reference, h),
             Self::Moments(law) => law.energy(reference, h),
             Self::Points(law) => law.energy(reference, h),
         }
@@ -176,6 +185,7 @@ where
     #[inline(always)]
     fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
         match self {
+            Self::Symmetric(law) => law.resultants(reference, h),
             Self::Moments(law) => law.resultants(reference, h),
             Self::Points(law) => law.resultants(reference, h),
         }
@@ -194,6 +204,7 @@ where
         to: &[[T; D]; K],
     ) -> [[T; D]; K] {
         match self {
+            Self::Symmetric(law) => law.secant(viscosity, reference, from, to),
             Self::Moments(law) => law.secant(viscosity, reference, from, to),
             Self::Points(law) => law.secant(viscosity, reference, from, to),
         }
@@ -204,10 +215,12 @@ where
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
-    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        k: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
         match self {
-            Self::Moments(law) => law.stiffness(reference, h),
-            Self::Points(law) => law.stiffness(reference, h),
+            Self::Symmetric(law) => law.stiffness(reference, h, k),
+            Self::Moments(law) => law.stiffness(reference, h, k),
+            Self::Points(law) => law.stiffness(reference, h, k),
         }
     }
 }
@@ -264,7 +277,12 @@ impl<M> Continuum<M> {
             }
         }
         let mut kernel = SampledKernel::new();
-        for (axial, law) in laws {
+        for (axial, mut law) in laws {
+            if let ContinuumSection::Moments(moments) = &law
+                && let Some(symmetric) = moments.symmetric()
+            {
+                law = ContinuumSection::Symmetric(symmetric);
+            }
             let axial = gauss_legendre(axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }

@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 
 use crate::material::{Material, green_lagrange};
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, LaneWork, Real};
 use crate::tensor::{add_scaled, add_times, between, cross, dot, gauss_pair, sum, times};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
@@ -20,11 +20,14 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     Debug + Send + Sync + 'static
 {
-    /// Whether every function of the law is inlined into its caller, so that lanes of elements run
-    /// as fast as one: see [`ElementKernel::in_lanes`](super::ElementKernel::in_lanes).
-    #[inline]
-    fn in_lanes(&self) -> bool {
-        false
+    /// Runs work on elements with these laws: see
+    /// [`ElementKernel::dispatch`](super::ElementKernel::dispatch).
+    #[inline(always)]
+    fn dispatch<'a, W: LaneWork<R>>(_laws: impl Iterator<Item = &'a Self>, work: W) -> W::Output
+    where
+        Self: Sized,
+    {
+        work.run::<R>()
     }
 
     /// Energy per unit length (J/m).
@@ -70,14 +73,16 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
         derived_secant_stiffness(self, viscosity, reference, from, to)
     }
 
-    /// First and second derivatives of the energy by the sampled vectors.
+    /// First derivatives of the energy by the sampled vectors; the second derivatives overwrite the
+    /// blocks `a <= b` of `k`.
     #[inline]
     fn stiffness<T: Algebra<R>>(
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
-    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
-        derived_stiffness(self, reference, h)
+        k: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
+        derived_stiffness(self, reference, h, k)
     }
 }
 
@@ -120,14 +125,14 @@ fn derived_stiffness<R, T, L, const D: usize, const K: usize>(
     law: &L,
     reference: &[[R; D]; K],
     h: &[[T; D]; K],
-) -> ([[T; D]; K], SectionStiffness<T, D, K>)
+    stiffness: &mut SectionStiffness<T, D, K>,
+) -> [[T; D]; K]
 where
     R: Real,
     T: Algebra<R>,
     L: SectionLaw<R, D, K> + ?Sized,
 {
     let mut resultants = [[T::zero(); D]; K];
-    let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
     for b in 0..K {
         let dual = law.resultants(reference, &varied(h, b));
         for a in 0..=b {
@@ -139,7 +144,7 @@ where
         }
         resultants[b] = std::array::from_fn(|c| T::real_part::<D>(&dual[b][c]));
     }
-    (resultants, stiffness)
+    resultants
 }
 
 #[inline(always)]
@@ -408,12 +413,13 @@ where
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
-    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        k: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
         if !self.straight {
-            return derived_stiffness(self, reference, h);
+            return derived_stiffness(self, reference, h, k);
         }
         let mut n = [[T::zero(); D]; K];
-        let mut k = [[[[T::zero(); D]; D]; K]; K];
+        *k = [[[[T::zero(); D]; D]; K]; K];
         for (y, w) in &self.points {
             let (initial, displacement) = (columns(reference, y), columns(h, y));
             let c = total(&initial, &displacement);
@@ -428,9 +434,9 @@ where
                     }
                 }
             }
-            add_stiffness(&mut k, y, *w, &blocks);
+            add_stiffness(k, y, *w, &blocks);
         }
-        (n, k)
+        n
     }
 }
 

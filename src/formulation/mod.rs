@@ -31,7 +31,7 @@ use std::fmt::Debug;
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, LaneWork, Real};
 use crate::section::Section;
 use crate::tensor::sum;
 
@@ -92,13 +92,14 @@ impl<R: Real, const D: usize, const S: usize> Reference<R, D, S> {
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + 'static
 {
-    /// Whether chains of equal elements are to be evaluated several elements at a time, in SIMD
-    /// lanes. Worth it only where every function down to the arithmetic is inlined
-    /// (`#[inline(always)]`): lanes are compiled for the processor's widest registers inside one
-    /// function, and what is called from there crosses over at a price.
-    #[inline]
-    fn in_lanes(&self) -> bool {
-        false
+    /// Runs work on a chain of elements that share this kernel: one element after the other, unless
+    /// the kernel hands it to [`Real::dispatch`] for SIMD lanes. Worth it only where every function
+    /// down to the arithmetic is inlined (`#[inline(always)]`): lanes are compiled for the
+    /// processor's widest registers inside one function, and what is called from there crosses over
+    /// at a price.
+    #[inline(always)]
+    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        work.run::<R>()
     }
 
     /// Strain energy (J) (eq. 10).

@@ -6,7 +6,7 @@
 use super::law::{SectionLaw, SectionStiffness, first_column};
 use crate::material::{Moduli, green_lagrange};
 use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{add_scaled, add_times, between, dot};
+use crate::tensor::{add_scaled, add_times, array, between, dot};
 
 /// Constant moduli contracted with the moments `sum_p w_p phi_k phi_l ..` of a rule over the
 /// factors `phi = (1, y[, z])` of the first gradient column.
@@ -15,9 +15,10 @@ use crate::tensor::{add_scaled, add_times, between, dot};
 /// `E_xx = sum_kl phi_k phi_l (p_k . p_l - 1) / 2`, `2 E_xa = sum_k phi_k p_k . c_a` and
 /// `2 E_ab = c_a . c_b`, and the energy is a quadratic form of these sums' terms. Exact sections,
 /// reduced rules and a Poisson part on the axis alone differ in the numbers held here only, and
-/// parts sampled at the same stations add up to one.
+/// parts sampled at the same stations add up to one. Where the section is `SYMMETRIC` about its
+/// axes, moments odd in one of them vanish and are not met.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MomentSection<R, const D: usize> {
+pub struct MomentSection<R, const D: usize, const SYMMETRIC: bool> {
     /// Between the terms `kl` and `mn` of the axial strain (N, N m, .., N m^4).
     axial: [[[[R; D]; D]; D]; D],
     /// Between the normal strain across, `aa`, and the term `kl` of the axial one.
@@ -28,7 +29,7 @@ pub struct MomentSection<R, const D: usize> {
     across: Moduli<R, D>,
 }
 
-impl<R: Real, const D: usize> MomentSection<R, D> {
+impl<R: Real, const D: usize> MomentSection<R, D, false> {
     /// A law without stiffness; give it moduli.
     pub(super) fn new() -> Self {
         let zero = R::zero();
@@ -72,6 +73,55 @@ impl<R: Real, const D: usize> MomentSection<R, D> {
     }
 }
 
+impl<R: Real, const D: usize> MomentSection<R, D, false> {
+    /// The same law for a symmetric section, unless a moment odd in `y` or `z` says that it is none.
+    pub(super) fn symmetric(&self) -> Option<MomentSection<R, D, true>> {
+        let small = R::lit(64.0 * R::EPSILON);
+        // Against the even moments that bound it, by Cauchy and Schwarz.
+        let vanishes = |odd: R, a: R, b: R| odd * odd <= (a * b).abs() * small * small;
+        for k in 0..D {
+            for l in 0..D {
+                for a in 1..D {
+                    let [shear, coupling] = [&self.shear[a], &self.coupling[a]];
+                    if is_odd(&[k, l])
+                        && !(vanishes(shear[k][l], shear[k][k], shear[l][l])
+                            && vanishes(coupling[k][l], coupling[k][k], coupling[l][l]))
+                    {
+                        return None;
+                    }
+                }
+                for m in 0..D {
+                    for n in 0..D {
+                        let bounds = (self.axial[k][l][k][l], self.axial[m][n][m][n]);
+                        let odd = self.axial[k][l][m][n];
+                        if is_odd(&[k, l, m, n]) && !vanishes(odd, bounds.0, bounds.1) {
+                            return None;
+                        }
+                    }
+                }
+            }
+        }
+        Some(MomentSection {
+            axial: self.axial,
+            coupling: self.coupling,
+            shear: self.shear,
+            across: self.across,
+        })
+    }
+}
+
+/// Whether a product of the factors `(1, y[, z])` with these indices is odd in one of them.
+#[inline(always)]
+const fn is_odd<const N: usize>(indices: &[usize; N]) -> bool {
+    let (mut y, mut z, mut i) = (false, false, 0);
+    while i < N {
+        y ^= indices[i] == 1;
+        z ^= indices[i] == 2;
+        i += 1;
+    }
+    y || z
+}
+
 /// The state of a station: vectors, terms of the strain, and the stresses conjugate to them.
 struct Station<T, const D: usize> {
     /// Vectors of the first gradient column.
@@ -92,7 +142,13 @@ struct Station<T, const D: usize> {
     stress: [[T; D]; D],
 }
 
-impl<R: Real, const D: usize> MomentSection<R, D> {
+impl<R: Real, const D: usize, const SYMMETRIC: bool> MomentSection<R, D, SYMMETRIC> {
+    /// Whether the moment of these factors vanishes by symmetry.
+    #[inline(always)]
+    fn vanishes<const N: usize>(indices: [usize; N]) -> bool {
+        SYMMETRIC && is_odd(&indices)
+    }
+
     #[inline(always)]
     fn station<T: Algebra<R>, const K: usize>(
         &self,
@@ -107,13 +163,12 @@ impl<R: Real, const D: usize> MomentSection<R, D> {
         };
         let (half, two) = (R::lit(0.5), R::lit(2.0));
         let zero = [[T::zero(); D]; D];
-        let initial: [[R; D]; D] = std::array::from_fn(|a| reference[a]);
-        let displacement: [[T; D]; D] = std::array::from_fn(|a| h[a]);
+        let initial: [[R; D]; D] = array(|a| reference[a]);
+        let displacement: [[T; D]; D] = array(|a| h[a]);
         let strain = green_lagrange(&initial, &displacement);
-        let c: [[T; D]; D] =
-            std::array::from_fn(|a| std::array::from_fn(|i| T::lift(initial[a][i]) + h[a][i]));
+        let c: [[T; D]; D] = array(|a| array(|i| T::lift(initial[a][i]) + h[a][i]));
         // The derivatives of the slopes have no reference value.
-        let p: [[T; D]; D] = std::array::from_fn(|k| match k {
+        let p: [[T; D]; D] = array(|k| match k {
             0 => c[0],
             _ => h[first_column::<D>(k)],
         });
@@ -136,11 +191,15 @@ impl<R: Real, const D: usize> MomentSection<R, D> {
                 let mut sum = T::zero();
                 for m in 0..D {
                     for n in m..D {
-                        sum = sum.plus_times(self.axial[k][l][m][n], axial[m][n]);
+                        if !Self::vanishes([k, l, m, n]) {
+                            sum = sum.plus_times(self.axial[k][l][m][n], axial[m][n]);
+                        }
                     }
                 }
-                for a in 1..D {
-                    sum = sum.plus_times(self.coupling[a][k][l], strain[a][a]);
+                if !Self::vanishes([k, l]) {
+                    for a in 1..D {
+                        sum = sum.plus_times(self.coupling[a][k][l], strain[a][a]);
+                    }
                 }
                 tension[k][l] = sum;
             }
@@ -148,10 +207,13 @@ impl<R: Real, const D: usize> MomentSection<R, D> {
         for a in 1..D {
             for k in 0..D {
                 for l in 0..D {
+                    if Self::vanishes([k, l]) {
+                        continue;
+                    }
                     drag[a][k] = drag[a][k].plus_times(self.shear[a][k][l], shear[a][l]);
-                }
-                for l in k..D {
-                    stress[a][a] = stress[a][a].plus_times(self.coupling[a][k][l], axial[k][l]);
+                    if l >= k {
+                        stress[a][a] = stress[a][a].plus_times(self.coupling[a][k][l], axial[k][l]);
+                    }
                 }
             }
             for b in 1..D {
@@ -199,7 +261,11 @@ impl<T: Scalar, const D: usize> Station<T, D> {
     }
 }
 
-impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSection<R, D> {
+impl<R, const D: usize, const K: usize, const SYMMETRIC: bool> SectionLaw<R, D, K>
+    for MomentSection<R, D, SYMMETRIC>
+where
+    R: Real,
+{
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         let s = self.station(reference, h);
@@ -261,10 +327,10 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSect
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
-    ) -> ([[T; D]; K], SectionStiffness<T, D, K>) {
+        stiffness: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
         let s = self.station(reference, h);
         let (p, c) = (&s.p, &s.c);
-        let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
         for i in 0..D {
             for j in i..D {
                 // Symmetric blocks: products of the first column with itself, in all their pairs.
@@ -275,17 +341,21 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSect
                         pp[m][n] = (p[m][i] * p[n][j]).plus_product(p[n][i], p[m][j]);
                     }
                 }
-                let cc: [T; D] = std::array::from_fn(|a| c[a][i] * c[a][j]);
+                let cc: [T; D] = array(|a| c[a][i] * c[a][j]);
                 for k in 0..D {
                     for l in k..D {
                         let mut sum = if i == j { s.tension[k][l] } else { T::zero() };
                         for m in 0..D {
                             for n in m..D {
-                                sum = sum.plus_times(self.axial[k][l][m][n], pp[m][n]);
+                                if !Self::vanishes([k, l, m, n]) {
+                                    sum = sum.plus_times(self.axial[k][l][m][n], pp[m][n]);
+                                }
                             }
                         }
-                        for a in 1..D {
-                            sum = sum.plus_times(self.shear[a][k][l], cc[a]);
+                        if !Self::vanishes([k, l]) {
+                            for a in 1..D {
+                                sum = sum.plus_times(self.shear[a][k][l], cc[a]);
+                            }
                         }
                         let block = &mut stiffness[first_column::<D>(k)][first_column::<D>(l)];
                         block[i][j] = sum;
@@ -296,7 +366,9 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSect
                     let mut sum = if i == j { s.stress[a][a] } else { T::zero() };
                     for m in 0..D {
                         for n in m..D {
-                            sum = sum.plus_times(self.shear[a][m][n], pp[m][n]);
+                            if !Self::vanishes([m, n]) {
+                                sum = sum.plus_times(self.shear[a][m][n], pp[m][n]);
+                            }
                         }
                     }
                     for b in 1..D {
@@ -314,36 +386,35 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for MomentSect
         for a in 1..D {
             for b in a + 1..D {
                 for i in 0..D {
-                    let row = &mut stiffness[a][b][i];
+                    let mut row = [T::zero(); D];
                     row[i] = s.stress[a][b];
-                    add_scaled(row, c[a][i].times(self.across.normal[a][b]), &c[b]);
-                    add_scaled(row, c[b][i].times(self.across.shear[a][b]), &c[a]);
+                    add_scaled(&mut row, c[a][i].times(self.across.normal[a][b]), &c[b]);
+                    add_scaled(&mut row, c[b][i].times(self.across.shear[a][b]), &c[a]);
+                    stiffness[a][b][i] = row;
                 }
             }
             for k in 0..D {
                 let (mut sheared, mut coupled) = ([T::zero(); D], [T::zero(); D]);
                 for l in 0..D {
-                    add_times(&mut sheared, self.shear[a][k][l], &p[l]);
-                    add_times(&mut coupled, self.coupling[a][k][l], &p[l]);
-                }
-                for i in 0..D {
-                    for j in 0..D {
-                        let both = (c[a][i] * sheared[j]).plus_product(coupled[i], c[a][j]);
-                        // The column of k comes first in the pair with r' only.
-                        match k {
-                            0 => stiffness[0][a][i][j] = both,
-                            _ => stiffness[a][first_column::<D>(k)][j][i] = both,
-                        }
+                    if !Self::vanishes([k, l]) {
+                        add_times(&mut sheared, self.shear[a][k][l], &p[l]);
+                        add_times(&mut coupled, self.coupling[a][k][l], &p[l]);
                     }
                 }
                 for i in 0..D {
-                    match k {
-                        0 => stiffness[0][a][i][i] += s.drag[a][k],
-                        _ => stiffness[a][first_column::<D>(k)][i][i] += s.drag[a][k],
+                    for j in 0..D {
+                        let mut sum = if i == j { s.drag[a][k] } else { T::zero() };
+                        sum = sum.plus_product(c[a][i], sheared[j]);
+                        sum = sum.plus_product(coupled[i], c[a][j]);
+                        // The column of k comes first in the pair with r' only.
+                        match k {
+                            0 => stiffness[0][a][i][j] = sum,
+                            _ => stiffness[a][first_column::<D>(k)][j][i] = sum,
+                        }
                     }
                 }
             }
         }
-        (s.resultants(), stiffness)
+        s.resultants()
     }
 }

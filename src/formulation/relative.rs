@@ -4,76 +4,131 @@
 
 use super::Tangent;
 use crate::element::{Element, NodalVector};
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
+use crate::tensor::{difference, sum};
 
 /// Which nodal vectors are positions. Without any, nothing is relative to anything.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Positions {
-    places: Vec<usize>,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Positions<const S: usize> {
+    places: [usize; S],
+    count: usize,
 }
 
-impl Positions {
-    pub(super) fn of<E: Element<D, S>, const D: usize, const S: usize>() -> Self {
-        let position = |i: &usize| E::VECTORS[i % E::VECTORS.len()] == NodalVector::Position;
-        let places = (0..S).filter(position).collect();
-        Self { places }
+/// Where a block of the tangent by relative vectors goes in one by vectors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    pub(super) row: usize,
+    pub(super) column: usize,
+    pub(super) transposed: bool,
+    pub(super) negative: bool,
+}
+
+impl<const S: usize> Positions<S> {
+    pub(super) const NONE: Self = Self {
+        places: [0; S],
+        count: 0,
+    };
+
+    pub(super) fn of<E: Element<D, S>, const D: usize>() -> Self {
+        let mut all = Self::NONE;
+        for i in 0..S {
+            if E::VECTORS[i % E::VECTORS.len()] == NodalVector::Position {
+                all.places[all.count] = i;
+                all.count += 1;
+            }
+        }
+        all
     }
 
     /// The first position and the others.
     #[inline(always)]
-    pub(super) fn split<const S: usize>(
-        &self,
-    ) -> Option<(usize, impl DoubleEndedIterator<Item = usize> + '_)> {
-        let (first, others) = self.places.split_first()?;
-        // The remainder is the identity; it lets the optimiser drop the bounds checks.
-        Some((first % S, others.iter().map(|p| p % S)))
+    pub(super) fn split(&self) -> Option<(usize, impl DoubleEndedIterator<Item = usize> + '_)> {
+        // The minimum is the identity; it lets the optimiser drop the bounds checks.
+        let place = |i: &usize| (*i).min(S - 1);
+        let (first, others) = self.places[..self.count.min(S)].split_first()?;
+        Some((place(first), others.iter().map(place)))
     }
 
     /// Makes all positions but the first relative to the first.
     #[inline(always)]
-    pub(super) fn make_relative<T: Scalar, const D: usize, const S: usize>(
-        &self,
-        u: &mut [[T; D]; S],
-    ) {
-        if let Some((first, others)) = self.split::<S>() {
+    pub(super) fn make_relative<T: Scalar, const D: usize>(&self, u: &mut [[T; D]; S]) {
+        if let Some((first, others)) = self.split() {
+            let origin = u[first];
             for p in others {
-                for c in 0..D {
-                    let origin = u[first][c];
-                    u[p][c] -= origin;
-                }
+                u[p] = difference(&u[p], &origin);
             }
+        }
+    }
+
+    /// Turns a row over nodal vectors into one over those with relative positions. What the entries
+    /// of the positions add up to stays with the first: nothing for a complete element.
+    pub(super) fn make_relative_row<R: Real>(&self, row: &mut [R; S]) {
+        if let Some((first, others)) = self.split() {
+            let (mut sum, mut size) = (row[first], row[first].abs());
+            for p in others {
+                sum += row[p];
+                size += row[p].abs();
+            }
+            let rounding = size * R::lit(64.0 * R::EPSILON);
+            let complete = sum.abs() <= rounding;
+            row[first] = if complete { R::zero() } else { sum };
         }
     }
 
     /// Adds a force by relative vectors to one by vectors: the first position is pushed back by
     /// what pushes the others.
     #[inline(always)]
-    pub(super) fn add_force<T: Scalar, const D: usize, const S: usize>(
+    pub(super) fn add_force<T: Scalar, const D: usize>(
         &self,
-        mut relative: [[T; D]; S],
+        relative: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
-        if let Some((first, others)) = self.split::<S>() {
-            for p in others {
-                for c in 0..D {
-                    let force = relative[p][c];
-                    relative[first][c] -= force;
-                }
-            }
+        for i in 0..S {
+            q[i] = sum(&q[i], &relative[i]);
         }
-        for (q, force) in q.as_flattened_mut().iter_mut().zip(relative.as_flattened()) {
-            *q += *force;
+        if let Some((first, others)) = self.split() {
+            for p in others {
+                q[first] = difference(&q[first], &relative[p]);
+            }
         }
     }
 
-    /// The same for the tangent.
+    /// Where the block between the relative vectors `i` and `j`, and its transpose, go.
+    pub(super) fn targets(&self, i: usize, j: usize) -> Vec<Target> {
+        let of = |i: usize| {
+            let opposite = self.split().and_then(|(first, mut others)| {
+                let relative = others.any(|other| other == i);
+                relative.then_some((first, true))
+            });
+            std::iter::once((i, false)).chain(opposite)
+        };
+        let mut targets = Vec::new();
+        for (row, minus) in of(i) {
+            for (column, also) in of(j) {
+                let negative = minus != also;
+                for (row, column, transposed) in [(row, column, false), (column, row, true)] {
+                    if !transposed || i != j {
+                        targets.push(Target {
+                            row,
+                            column,
+                            transposed,
+                            negative,
+                        });
+                    }
+                }
+            }
+        }
+        targets
+    }
+
+    /// Adds a tangent by relative vectors to one by vectors.
     #[inline(always)]
-    pub(super) fn add_tangent<T: Scalar, const D: usize, const S: usize>(
+    pub(super) fn add_tangent<T: Scalar, const D: usize>(
         &self,
         mut relative: Tangent<T, D, S>,
         k: &mut Tangent<T, D, S>,
     ) {
-        if let Some((first, others)) = self.split::<S>() {
+        if let Some((first, others)) = self.split() {
             for p in others {
                 for row in relative.as_flattened_mut() {
                     for d in 0..D {

@@ -2,20 +2,19 @@
 //! axis: each station turns nodal vectors into `K` sampled vectors by a constant sparse operator,
 //! a [`SectionLaw`] turns those into energy per unit length, and the derivatives come back by the
 //! transpose. Shape functions enter once per station, not once per section point, which is the
-//! paper's split of the volume integral (eq. 18) carried to its end.
-//!
-//! Positions enter by their differences from the element's first node: a strain never sees where
-//! the element is, and numbers of the size of the beam never meet those of its bending.
+//! paper's split of the volume integral (eq. 18) carried to its end. Positions enter as differences
+//! to the element's first node, of which alone derivatives of the position are made: that keeps
+//! digits, and saves the first node's column.
 
 use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
-use super::relative::Positions;
+use super::relative::{Positions, Target};
 use super::{ElementKernel, Reference, Tangent};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, LaneWork, Real};
 use crate::tensor::{add_scaled, add_times, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
@@ -32,20 +31,24 @@ pub enum Sample {
 struct Row<R, const S: usize> {
     nodal: [usize; S],
     value: [R; S],
+    /// Values times the station's weight.
+    weighted: [R; S],
     count: usize,
 }
 
 impl<R: Real, const S: usize> Row<R, S> {
-    fn new(dense: [R; S]) -> Self {
+    fn new(dense: [R; S], weight: R) -> Self {
         let mut row = Self {
             nodal: [0; S],
             value: [R::zero(); S],
+            weighted: [R::zero(); S],
             count: 0,
         };
         for (i, value) in dense.into_iter().enumerate() {
             if !value.is_zero() {
                 row.nodal[row.count] = i;
                 row.value[row.count] = value;
+                row.weighted[row.count] = weight * value;
                 row.count += 1;
             }
         }
@@ -53,10 +56,20 @@ impl<R: Real, const S: usize> Row<R, S> {
     }
 
     #[inline(always)]
+    fn entries<'a>(&'a self, values: &'a [R; S]) -> impl Iterator<Item = (usize, R)> + 'a {
+        let entries = self.nodal.iter().zip(values).take(self.count);
+        // The minimum is the identity; it lets the optimiser drop the bounds checks.
+        entries.map(|(&i, &v)| (i.min(S - 1), v))
+    }
+
+    #[inline(always)]
     fn iter(&self) -> impl Iterator<Item = (usize, R)> + '_ {
-        let entries = self.nodal.iter().zip(&self.value).take(self.count);
-        // The remainder is the identity; it lets the optimiser drop the bounds checks.
-        entries.map(|(&i, &v)| (i % S, v))
+        self.entries(&self.value)
+    }
+
+    #[inline(always)]
+    fn weighted(&self) -> impl Iterator<Item = (usize, R)> + '_ {
+        self.entries(&self.weighted)
     }
 }
 
@@ -70,11 +83,11 @@ struct Station<R, const D: usize, const S: usize, const K: usize> {
 
 impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K> {
     #[inline(always)]
-    fn sample<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> [[T; D]; K] {
+    fn sample<T: Algebra<R>>(&self, v: &[[T; D]; S]) -> [[T; D]; K] {
         let mut h = [[T::zero(); D]; K];
         for k in 0..K {
             for (i, value) in self.rows[k].iter() {
-                add_times(&mut h[k], value, &u[i]);
+                add_times(&mut h[k], value, &v[i]);
             }
         }
         h
@@ -83,41 +96,14 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
     #[inline(always)]
     fn scatter_force<T: Algebra<R>>(&self, n: &[[T; D]; K], q: &mut [[T; D]; S]) {
         for k in 0..K {
-            let n = times(self.weight, &n[k]);
-            for (i, value) in self.rows[k].iter() {
-                add_times(&mut q[i], value, &n);
+            for (i, value) in self.rows[k].weighted() {
+                add_times(&mut q[i], value, &n[k]);
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn scatter_stiffness<T: Algebra<R>>(
-        &self,
-        stiffness: &SectionStiffness<T, D, K>,
-        tangent: &mut Tangent<T, D, S>,
-    ) {
-        for k in 0..K {
-            for l in k..K {
-                let block: [[T; D]; D] =
-                    std::array::from_fn(|c| times(self.weight, &stiffness[k][l][c]));
-                for (i, left) in self.rows[k].iter() {
-                    for (j, right) in self.rows[l].iter() {
-                        let factor = left * right;
-                        for c in 0..D {
-                            for d in 0..D {
-                                let value = block[c][d].times(factor);
-                                tangent[i][c][j][d] += value;
-                                if k != l {
-                                    tangent[j][d][i][c] += value;
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-
+impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K> {
     /// Adds a stiffness of which every block is given.
     #[inline(always)]
     fn scatter_all<T: Algebra<R>>(
@@ -141,14 +127,131 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
     }
 }
 
+/// Stations whose stiffness is held at once, so that each block of the tangent is summed over them
+/// in registers and written once.
+const BATCH: usize = 5;
+
+/// A block of section stiffness in a block of the tangent: sampled vectors, and the weight at each
+/// station of a batch.
+#[derive(Debug, Clone)]
+struct Term<R> {
+    pair: (usize, usize),
+    weight: [R; BATCH],
+}
+
+/// The block of the tangent between two nodal vectors, as a sum of blocks of section stiffness.
+#[derive(Debug, Clone)]
+struct Block<R> {
+    /// Terms taken as they are, then terms transposed.
+    terms: [Vec<Term<R>>; 2],
+    /// Where the sum goes.
+    targets: Vec<Target>,
+}
+
+#[derive(Debug, Clone)]
+struct Batch<R, const D: usize, const S: usize, const K: usize> {
+    stations: Vec<Station<R, D, S, K>>,
+    blocks: Vec<Block<R>>,
+}
+
+impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> {
+    fn new(stations: &[Station<R, D, S, K>], positions: &Positions<S>) -> Self {
+        let dense = |station: &Station<R, D, S, K>, k: usize, i: usize| {
+            let row = &station.rows[k];
+            let entry = row.iter().find(|&(nodal, _)| nodal == i);
+            entry.map_or(R::zero(), |(_, value)| value)
+        };
+        let term = |(i, k): (usize, usize), (j, l): (usize, usize)| {
+            let mut weight = [R::zero(); BATCH];
+            for (weight, s) in weight.iter_mut().zip(stations) {
+                *weight = s.weight * dense(s, k, i) * dense(s, l, j);
+            }
+            let pair = (k, l);
+            let present = weight.iter().any(|w| !w.is_zero());
+            present.then_some(Term { pair, weight })
+        };
+        let mut blocks = Vec::new();
+        for i in 0..S {
+            for j in i..S {
+                let mut terms = [Vec::new(), Vec::new()];
+                for k in 0..K {
+                    for l in k..K {
+                        terms[0].extend(term((i, k), (j, l)));
+                        if l > k {
+                            terms[1].extend(term((j, k), (i, l)));
+                        }
+                    }
+                }
+                if terms.iter().any(|terms| !terms.is_empty()) {
+                    let targets = positions.targets(i, j);
+                    blocks.push(Block { terms, targets });
+                }
+            }
+        }
+        Self {
+            stations: stations.to_vec(),
+            blocks,
+        }
+    }
+
+    #[inline(always)]
+    fn scatter_stiffness<T: Algebra<R>>(
+        &self,
+        stiffness: &[SectionStiffness<T, D, K>; BATCH],
+        tangent: &mut Tangent<T, D, S>,
+    ) {
+        for block in &self.blocks {
+            let mut sum = [[T::zero(); D]; D];
+            for Term { pair, weight } in &block.terms[0] {
+                let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
+                for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
+                    for c in 0..D {
+                        add_times(&mut sum[c], *weight, &s[k][l][c]);
+                    }
+                }
+            }
+            for Term { pair, weight } in &block.terms[1] {
+                let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
+                for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
+                    for c in 0..D {
+                        for d in 0..D {
+                            sum[d][c] = sum[d][c].plus_times(*weight, s[k][l][c][d]);
+                        }
+                    }
+                }
+            }
+            for target in &block.targets {
+                let (i, j) = (target.row.min(S - 1), target.column.min(S - 1));
+                let value = |c: usize, d: usize| match target.transposed {
+                    true => sum[d][c],
+                    false => sum[c][d],
+                };
+                if target.negative {
+                    for c in 0..D {
+                        for d in 0..D {
+                            tangent[i][c][j][d] -= value(c, d);
+                        }
+                    }
+                } else {
+                    for c in 0..D {
+                        for d in 0..D {
+                            tangent[i][c][j][d] += value(c, d);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Kernel of an element whose energy is a sum of laws, each sampled at stations of its own.
 ///
 /// The forces on the positions of a complete element add up to zero, to the last digit for two
 /// nodes.
 #[derive(Debug, Clone)]
 pub struct SampledKernel<R, L, const D: usize, const S: usize, const K: usize> {
-    parts: Vec<(L, Vec<Station<R, D, S, K>>)>,
-    positions: Positions,
+    parts: Vec<(L, Vec<Batch<R, D, S, K>>)>,
+    positions: Positions<S>,
 }
 
 impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R, L, D, S, K> {
@@ -156,7 +259,7 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
     pub fn new() -> Self {
         Self {
             parts: Vec::new(),
-            positions: Positions::default(),
+            positions: Positions::NONE,
         }
     }
 
@@ -171,11 +274,10 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
         samples: [Sample; K],
         axial: &Cubature<R, 1>,
     ) -> Self {
-        self.positions = Positions::of::<E, D, S>();
         let nodal = &reference.vectors;
-        let stations = axial.iter().map(|([xi], w)| {
+        self.positions = Positions::of::<E, D>();
+        let station = |([xi], w): ([R; 1], R)| {
             let mut rows = operator(element, reference.length, xi, samples);
-            let weight = w * reference.length;
             let vector = |row: &[R; S]| {
                 let mut g = [R::zero(); D];
                 for i in 0..S {
@@ -183,17 +285,21 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
                 }
                 g
             };
-            let reference = std::array::from_fn(|k| vector(&rows[k]));
+            let sampled = std::array::from_fn(|k| vector(&rows[k]));
             for row in &mut rows {
-                make_relative(&self.positions, row);
+                self.positions.make_relative_row(row);
             }
+            let weight = w * reference.length;
             Station {
                 weight,
-                reference,
-                rows: rows.map(Row::new),
+                reference: sampled,
+                rows: rows.map(|row| Row::new(row, weight)),
             }
-        });
-        self.parts.push((law, stations.collect()));
+        };
+        let stations: Vec<_> = axial.iter().map(station).collect();
+        let batch = |stations: &[_]| Batch::new(stations, &self.positions);
+        self.parts
+            .push((law, stations.chunks(BATCH).map(batch).collect()));
         self
     }
 }
@@ -212,54 +318,63 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    #[inline]
+    #[inline(always)]
+    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        L::dispatch(self.parts.iter().map(|(law, _)| law), work)
+    }
+
+    #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let mut u = *u;
-        self.positions.make_relative(&mut u);
+        let mut v = *u;
+        self.positions.make_relative(&mut v);
         let mut energy = T::zero();
-        for (law, stations) in &self.parts {
-            for station in stations {
-                let density = law.energy(&station.reference, &station.sample(&u));
-                energy += density.times(station.weight);
+        for (law, batches) in &self.parts {
+            for station in batches.iter().flat_map(|batch| &batch.stations) {
+                let density = law.energy(&station.reference, &station.sample(&v));
+                energy = energy.plus_times(station.weight, density);
             }
         }
         energy
     }
 
-    #[inline]
+    #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        let mut u = *u;
-        self.positions.make_relative(&mut u);
-        let mut relative = [[T::zero(); D]; S];
-        for (law, stations) in &self.parts {
-            for station in stations {
-                let n = law.resultants(&station.reference, &station.sample(&u));
-                station.scatter_force(&n, &mut relative);
+        let mut v = *u;
+        self.positions.make_relative(&mut v);
+        let mut f = [[T::zero(); D]; S];
+        for (law, batches) in &self.parts {
+            for batch in batches {
+                for station in &batch.stations {
+                    let n = law.resultants(&station.reference, &station.sample(&v));
+                    station.scatter_force(&n, &mut f);
+                }
             }
         }
-        self.positions.add_force(relative, q);
+        self.positions.add_force(&f, q);
     }
 
-    #[inline]
+    #[inline(always)]
     fn tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let mut u = *u;
-        self.positions.make_relative(&mut u);
-        let mut force = [[T::zero(); D]; S];
-        let mut tangent = [[[[T::zero(); D]; S]; D]; S];
-        for (law, stations) in &self.parts {
-            for station in stations {
-                let (n, stiffness) = law.stiffness(&station.reference, &station.sample(&u));
-                station.scatter_force(&n, &mut force);
-                station.scatter_stiffness(&stiffness, &mut tangent);
+        let mut v = *u;
+        self.positions.make_relative(&mut v);
+        let mut f = [[T::zero(); D]; S];
+        for (law, batches) in &self.parts {
+            for batch in batches {
+                let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
+                for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
+                    let h = station.sample(&v);
+                    let n = law.stiffness(&station.reference, &h, stiffness);
+                    station.scatter_force(&n, &mut f);
+                }
+                batch.scatter_stiffness(&stiffness, k);
             }
         }
-        self.positions.add_force(force, q);
-        self.positions.add_tangent(tangent, k);
+        self.positions.add_force(&f, q);
     }
 
     fn has_strain(&self) -> bool {
@@ -278,14 +393,14 @@ where
         self.positions.make_relative(&mut from);
         self.positions.make_relative(&mut to);
         let mut relative = [[T::zero(); D]; S];
-        for (law, stations) in &self.parts {
-            for station in stations {
+        for (law, batches) in &self.parts {
+            for station in batches.iter().flat_map(|batch| &batch.stations) {
                 let (from, to) = (station.sample(&from), station.sample(&to));
                 let n = law.secant(viscosity, &station.reference, &from, &to);
                 station.scatter_force(&n, &mut relative);
             }
         }
-        self.positions.add_force(relative, q);
+        self.positions.add_force(&relative, q);
     }
 
     #[inline]
@@ -300,8 +415,8 @@ where
         self.positions.make_relative(&mut from);
         self.positions.make_relative(&mut to);
         let mut relative = [[[[T::zero(); D]; S]; D]; S];
-        for (law, stations) in &self.parts {
-            for station in stations {
+        for (law, batches) in &self.parts {
+            for station in batches.iter().flat_map(|batch| &batch.stations) {
                 let (from, to) = (station.sample(&from), station.sample(&to));
                 let reference = &station.reference;
                 let stiffness = law.secant_stiffness(viscosity, reference, &from, &to);
@@ -309,24 +424,6 @@ where
             }
         }
         self.positions.add_tangent(relative, k);
-    }
-}
-
-/// Turns a row over nodal vectors into one over those with relative positions. What the entries of
-/// the positions add up to stays with the first: nothing for a complete element.
-fn make_relative<R: Real, const S: usize>(positions: &Positions, row: &mut [R; S]) {
-    if let Some((first, others)) = positions.split::<S>() {
-        let (mut sum, mut size) = (row[first], row[first].abs());
-        for p in others {
-            sum += row[p];
-            size += row[p].abs();
-        }
-        let rounding = size * R::lit(64.0 * R::EPSILON);
-        row[first] = if sum.abs() <= rounding {
-            R::zero()
-        } else {
-            sum
-        };
     }
 }
 

@@ -8,7 +8,7 @@ pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 use std::fmt::Debug;
 
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, between, dot, gauss_pair};
+use crate::tensor::{add_scaled, add_times, array, between, dot, gauss_pair};
 
 /// A symmetric tensor or the columns of a gradient: `D x D` numbers.
 pub type Tensor<T, const D: usize> = [[T; D]; D];
@@ -25,6 +25,25 @@ pub struct Moduli<R, const D: usize> {
     pub normal: Tensor<R, D>,
     /// Shear moduli, one for each pair of axes; symmetric, the diagonal is not used.
     pub shear: Tensor<R, D>,
+}
+
+impl<R: Real, const D: usize> Moduli<R, D> {
+    /// Second Piola-Kirchhoff stress (Pa) at a strain.
+    #[inline(always)]
+    pub fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        let two = R::lit(2.0);
+        let mut stress = [[T::zero(); D]; D];
+        for a in 0..D {
+            for b in 0..D {
+                stress[a][a] += strain[b][b].times(self.normal[a][b]);
+            }
+            for b in a + 1..D {
+                stress[a][b] = strain[a][b].times(two * self.shear[a][b]);
+                stress[b][a] = stress[a][b];
+            }
+        }
+        stress
+    }
 }
 
 /// A hyperelastic law over the Green-Lagrange strain `E` in `D` dimensions, with parameters in
@@ -84,8 +103,10 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         }
     }
 
-    /// The moduli of a law whose elasticity is the same at every strain; none by default. A beam
-    /// of such a material is integrated over its section once and for all.
+    /// The moduli of a law whose elasticity is the same at every strain; none by default. A straight
+    /// beam of such a material is integrated over its section once and for all, and its energy and
+    /// stress are not asked for again. [`verify::material`](crate::verify::material) checks that
+    /// they agree.
     #[inline]
     fn constant_elasticity(&self) -> Option<Moduli<R, D>> {
         None
@@ -228,9 +249,8 @@ pub fn green_lagrange<R: Real, T: Algebra<R>, const D: usize>(
     displacement: &Tensor<T, D>,
 ) -> Tensor<T, D> {
     let half = R::lit(0.5);
-    let middle: Tensor<T, D> = std::array::from_fn(|a| {
-        std::array::from_fn(|i| displacement[a][i].times(half) + T::lift(reference[a][i]))
-    });
+    let middle: Tensor<T, D> =
+        array(|a| array(|i| T::lift(reference[a][i]).plus_times(half, displacement[a][i])));
     let mut strain = [[T::zero(); D]; D];
     for a in 0..D {
         strain[a][a] = dot(&middle[a], &displacement[a]);

@@ -109,18 +109,7 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
 
     #[inline(always)]
     fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
-        let two = R::lit(2.0);
-        let mut stress = [[T::zero(); D]; D];
-        for a in 0..D {
-            for b in 0..D {
-                stress[a][a] += strain[b][b].times(self.moduli.normal[a][b]);
-            }
-            for b in a + 1..D {
-                stress[a][b] = strain[a][b].times(two * self.moduli.shear[a][b]);
-                stress[b][a] = stress[a][b];
-            }
-        }
-        stress
+        self.moduli.stress(strain)
     }
 
     #[inline(always)]

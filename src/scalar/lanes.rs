@@ -1,13 +1,119 @@
-//! simba's wide lanes as numbers of kernels: several models, or several elements, at once.
+//! Lanes: several numbers of a real type that go through a kernel together, one element in each.
+//! [`Real::dispatch`](super::Real::dispatch) picks the widest registers that the processor at hand
+//! has, once per chain of elements and not per operation; simba's wide types are the lanes of every
+//! other processor, and a real number is a lane of its own.
 
 use num_traits::{One, Zero};
 use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
 
 use super::jet::{self, Jet};
-use super::{Algebra, Field, Scalar};
+use super::{Algebra, Field, Real, Scalar};
 
+/// `WIDTH` numbers of the type `R` at once.
+pub trait Lanes<R>: Algebra<R> {
+    /// How many.
+    const WIDTH: usize;
+
+    /// The first `WIDTH` numbers of a slice.
+    ///
+    /// # Panics
+    /// If it holds fewer.
+    fn load(from: &[R]) -> Self;
+
+    /// Overwrites the first `WIDTH` numbers of a slice.
+    ///
+    /// # Panics
+    /// If it holds fewer.
+    fn store(self, to: &mut [R]);
+
+    /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
+    /// lane of `columns[i]`.
+    ///
+    /// # Panics
+    /// If a row reaches beyond `x`.
+    fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]);
+
+    /// Adds columns to the rows of the first `lanes` lanes: the reverse of
+    /// [`gather`](Self::gather), for rows that may overlap.
+    ///
+    /// # Panics
+    /// If a row reaches beyond `x`.
+    fn scatter(columns: &[Self], lanes: usize, x: &mut [R], starts: impl Fn(usize) -> usize);
+}
+
+/// Work that [`Real::dispatch`] runs in the widest lanes there are.
+pub trait LaneWork<R> {
+    /// What comes out.
+    type Output;
+
+    /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), and so must what
+    /// it calls, to be compiled for the registers that `L` stands for.
+    fn run<L: Lanes<R>>(self) -> Self::Output;
+}
+
+impl<R: Real> Lanes<R> for R {
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn load(from: &[R]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [R]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
+        let start = starts(0);
+        columns.copy_from_slice(&x[start..start + columns.len()]);
+    }
+    #[inline(always)]
+    fn scatter(columns: &[Self], _lanes: usize, x: &mut [R], starts: impl Fn(usize) -> usize) {
+        let start = starts(0);
+        for (x, column) in x[start..start + columns.len()].iter_mut().zip(columns) {
+            *x += *column;
+        }
+    }
+}
+
+/// [`Lanes`] by an array of `WIDTH` numbers, which compilers turn into shuffles.
+macro_rules! by_array {
+    ($r:ty, $width:literal) => {
+        const WIDTH: usize = $width;
+
+        #[inline(always)]
+        fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
+            let mut rows = [x; $width];
+            for (lane, row) in rows.iter_mut().enumerate() {
+                *row = &x[starts(lane)..][..columns.len()];
+            }
+            for i in 0..columns.len() {
+                let mut values = [0.0; $width];
+                for lane in 0..$width {
+                    values[lane] = rows[lane][i];
+                }
+                columns[i] = Self::load(&values);
+            }
+        }
+        #[inline(always)]
+        fn scatter(columns: &[Self], lanes: usize, x: &mut [$r], starts: impl Fn(usize) -> usize) {
+            for (b, block) in columns.chunks($width).enumerate() {
+                let mut values = [[0.0; $width]; $width];
+                for (values, column) in values.iter_mut().zip(block) {
+                    column.store(values);
+                }
+                for lane in 0..lanes {
+                    let start = starts(lane) + $width * b;
+                    for (x, values) in x[start..start + block.len()].iter_mut().zip(&values) {
+                        *x += values[lane];
+                    }
+                }
+            }
+        }
+    };
+}
 macro_rules! lanes {
-    ($($t:ident of $r:ty),*) => {$(
+    ($($t:ident of $r:ty, $width:literal);*) => {$(
         impl Scalar for $t {
             #[inline(always)]
             fn lit(x: f64) -> Self {
@@ -57,6 +163,18 @@ macro_rules! lanes {
             }
             jet::by_jet!();
         }
+        impl Lanes<$r> for $t {
+            #[inline(always)]
+            fn load(from: &[$r]) -> Self {
+                let values: [$r; $width] = std::array::from_fn(|lane| from[lane]);
+                values.into()
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$r]) {
+                to[..$width].copy_from_slice(&<[$r; $width]>::from(self.0));
+            }
+            by_array!($r, $width);
+        }
     )*};
 }
-lanes!(WideF32x4 of f32, WideF32x8 of f32, WideF64x4 of f64);
+lanes!(WideF32x4 of f32, 4; WideF32x8 of f32, 8; WideF64x4 of f64, 4);

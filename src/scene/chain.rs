@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, Reference, Tangent};
-use crate::scalar::Real;
+use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::{BandMatrix, Matrix};
 use crate::tensor::sum;
 
@@ -204,12 +204,156 @@ where
         std::array::from_fn(|i| std::array::from_fn(|c| slice[i * D + c]))
     }
 
+    /// Runs work on all elements, in lanes of equal ones where the kernel is made for it.
     #[inline(always)]
-    fn scatter(&self, element: usize, q: &[[R; D]; S], out: &mut [R]) {
-        for (sum, value) in out[self.range(element)].iter_mut().zip(q.as_flattened()) {
-            *sum += *value;
+    fn run<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        match &self.links[..] {
+            [link] => link.kernel.dispatch(work),
+            _ => work.run::<R>(),
         }
     }
+
+    /// Calls `each` for groups of elements that fill the lanes: with the first element, the number
+    /// of elements, and their kernel and nodal displacements. The last group is filled up by its
+    /// last element, so that all elements see the same arithmetic.
+    #[inline(always)]
+    fn groups<L: Lanes<R>>(&self, u: &[R], mut each: impl FnMut(Range<usize>, &Kn, &[[L; D]; S])) {
+        let count = self.starts.len();
+        for first in (0..count).step_by(L::WIDTH) {
+            let last = count.min(first + L::WIDTH) - 1;
+            let mut columns = [[L::zero(); D]; S];
+            let start = |lane: usize| self.range(last.min(first + lane)).start;
+            L::gather(u, start, columns.as_flattened_mut());
+            each(first..last + 1, &self.link(first).kernel, &columns);
+        }
+    }
+}
+
+/// Sum of the strain energies of a chain's elements.
+struct Energy<'a, C, R> {
+    chain: &'a C,
+    u: &'a [R],
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Energy<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = R;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> R {
+        let mut sum = [R::zero()];
+        self.chain.groups::<L>(
+            self.u,
+            #[inline(always)]
+            |elements, kernel, u| {
+                let energy = kernel.energy(u);
+                L::scatter(&[energy], elements.len(), &mut sum, |_| 0);
+            },
+        );
+        sum[0]
+    }
+}
+
+/// Adds the elastic forces of a chain's elements.
+struct Force<'a, C, R> {
+    chain: &'a C,
+    u: &'a [R],
+    q: &'a mut [R],
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Force<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self { chain, u, q } = self;
+        chain.groups::<L>(
+            u,
+            #[inline(always)]
+            |elements, kernel, u| {
+                let mut force = [[L::zero(); D]; S];
+                kernel.force(u, &mut force);
+                let start = |lane| chain.range(elements.start + lane).start;
+                L::scatter(force.as_flattened(), elements.len(), q, start);
+            },
+        );
+    }
+}
+
+/// Adds the tangents of a chain's elements.
+struct Stiffness<'a, C, R> {
+    chain: &'a C,
+    u: &'a [R],
+    k: &'a mut Matrix<R>,
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
+    for Stiffness<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Result<()> {
+        let Self { chain, u, k } = self;
+        let mut result = Ok(());
+        chain.groups::<L>(
+            u,
+            #[inline(always)]
+            |elements, kernel, u| {
+                let mut force = [[L::zero(); D]; S];
+                let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+                kernel.tangent(u, &mut force, &mut tangent);
+                let block = tangent.as_flattened().as_flattened().as_flattened();
+                let start = |lane| chain.range(elements.start + lane).start;
+                if result.is_ok() {
+                    result = add_blocks::<R, L, D, S>(k, elements.len(), start, block);
+                }
+            },
+        );
+        result
+    }
+}
+
+/// Adds the tangents of the elements in the first `lanes` lanes, one by one where they do not go
+/// together.
+#[inline(always)]
+fn add_blocks<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
+    k: &mut Matrix<R>,
+    lanes: usize,
+    start: impl Fn(usize) -> usize,
+    block: &[L],
+) -> Result<()> {
+    if k.add_blocks(lanes, &start, S * D, block)? {
+        return Ok(());
+    }
+    const { assert!(L::WIDTH <= 16) };
+    for lane in 0..lanes {
+        let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+        let own = tangent
+            .as_flattened_mut()
+            .as_flattened_mut()
+            .as_flattened_mut();
+        for (own, all) in own.iter_mut().zip(block) {
+            let mut values = [R::zero(); 16];
+            all.store(&mut values);
+            *own = values[lane];
+        }
+        k.add_block(start(lane), S * D, own)?;
+    }
+    Ok(())
 }
 
 impl<R, E, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, E, Kn, D, S>
@@ -219,29 +363,15 @@ where
     Kn: ElementKernel<R, D, S>,
 {
     fn energy(&self, u: &[R]) -> R {
-        let energy = |n| self.link(n).kernel.energy(&self.gather(n, u));
-        (0..self.starts.len()).map(energy).sum()
+        self.run(Energy { chain: self, u })
     }
 
     fn force(&self, u: &[R], q: &mut [R]) {
-        for n in 0..self.starts.len() {
-            let mut element = [[R::zero(); D]; S];
-            self.link(n).kernel.force(&self.gather(n, u), &mut element);
-            self.scatter(n, &element, q);
-        }
+        self.run(Force { chain: self, u, q });
     }
 
     fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        for n in 0..self.starts.len() {
-            let mut force = [[R::zero(); D]; S];
-            let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-            self.link(n)
-                .kernel
-                .tangent(&self.gather(n, u), &mut force, &mut tangent);
-            let block = tangent.as_flattened().as_flattened().as_flattened();
-            k.add_block(self.range(n).start, S * D, block)?;
-        }
-        Ok(())
+        self.run(Stiffness { chain: self, u, k })
     }
 
     fn has_strain(&self) -> bool {
@@ -254,7 +384,10 @@ where
             let (from, to) = (self.gather(n, from), self.gather(n, to));
             let kernel = &self.link(n).kernel;
             kernel.secant(viscosity, &from, &to, &mut element);
-            self.scatter(n, &element, q);
+            let own = &mut q[self.range(n)];
+            for (sum, value) in own.iter_mut().zip(element.as_flattened()) {
+                *sum += *value;
+            }
         }
     }
 

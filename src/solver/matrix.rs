@@ -4,7 +4,7 @@
 use super::stored::Stored;
 use super::unknowns::{Combination, Unknowns};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 
 /// A tangent or mass matrix over the coordinates of a structure, `T^T K T` over its [`Unknowns`].
 /// No method but the constructors allocates.
@@ -84,6 +84,29 @@ impl<R: Real> Matrix<R> {
             }
         }
         Ok(())
+    }
+
+    /// Adds the matrices of `lanes` elements of `n` coordinates each, numbered consecutively from
+    /// `offset(lane)`: the entries of `block`, row-major and full. False, and nothing done, where
+    /// the coordinates are not unknowns in a row of an envelope.
+    #[inline(always)]
+    pub(crate) fn add_blocks<L: Lanes<R>>(
+        &mut self,
+        lanes: usize,
+        offset: impl Fn(usize) -> usize,
+        n: usize,
+        block: &[L],
+    ) -> Result<bool> {
+        let Self { unknowns, stored } = self;
+        let in_a_row = |lane| unknowns.run(offset(lane), n).is_some();
+        match stored.envelope() {
+            Some(envelope) if (0..lanes).all(in_a_row) => {
+                let first = |lane| unknowns.run(offset(lane), n).unwrap_or(0);
+                envelope.add_blocks(lanes, first, n, block)?;
+                Ok(true)
+            }
+            _ => Ok(false),
+        }
     }
 
     /// Adds `alpha * other`.

@@ -62,6 +62,14 @@ impl<R: Real> Stored<R> {
         matches!(self.0, Kept::Sparse(..))
     }
 
+    /// The matrix if it is stored in an envelope.
+    pub(super) fn envelope(&mut self) -> Option<&mut BandMatrix<R>> {
+        match &mut self.0 {
+            Kept::Band(matrix) => Some(matrix),
+            Kept::Sparse(..) => None,
+        }
+    }
+
     /// Entry `(i, j)`; zero where nothing is stored.
     #[must_use]
     pub fn get(&self, i: usize, j: usize) -> R {

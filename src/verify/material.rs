@@ -29,7 +29,7 @@ const TRIES: usize = 4;
 
 /// Checks any material in `D` dimensions at strains up to 0.1: no energy and no stress in the
 /// reference state, positive energy around it, stress and elasticity against the energy by dual
-/// numbers, the symmetries, and a [`stiffness`](Material::stiffness) of its own against the
+/// numbers, the symmetries, the moduli of a law that says its elasticity is constant, and a [`stiffness`](Material::stiffness) of its own against the
 /// elasticity. Errors are relative to the largest component of what is compared.
 pub fn material<R: Real, M: Material<R, D>, const D: usize>(material: &M) -> Report {
     let mut report = Report::new(format!("{material:?}"));
@@ -61,6 +61,7 @@ pub fn material<R: Real, M: Material<R, D>, const D: usize>(material: &M) -> Rep
     for size in STRAINS {
         let at = format!("strain {size}");
         let mut worst = [0.0_f64; 6];
+        let mut constant = None;
         let mut lowest = f64::INFINITY;
         for k in 0..TRIES {
             let e = strain::<R, D>(size, k);
@@ -77,6 +78,10 @@ pub fn material<R: Real, M: Material<R, D>, const D: usize>(material: &M) -> Rep
             for (a, row) in own.iter_mut().enumerate() {
                 // Only the upper triangle of blocks is part of the contract.
                 row[..a].copy_from_slice(&contracted[a][..a]);
+            }
+            if let Some(moduli) = material.constant_elasticity() {
+                let error = difference(&moduli.stress(&e), &s) / largest(&s);
+                constant = Some(most(constant.unwrap_or(0.0), error));
             }
             let top = largest(&c);
             for (w, error) in worst.iter_mut().zip([
@@ -107,6 +112,10 @@ pub fn material<R: Real, M: Material<R, D>, const D: usize>(material: &M) -> Rep
         .into_iter()
         .zip(worst)
         {
+            report.push(check, &at, error, Limit::AtMost(exact));
+        }
+        if let Some(error) = constant {
+            let check = "constant elasticity against the stress";
             report.push(check, &at, error, Limit::AtMost(exact));
         }
     }

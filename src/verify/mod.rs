@@ -45,7 +45,7 @@ pub use jacobian::{
 };
 pub use material::{isotropy, linear_elasticity, material};
 pub use precision::{Precision, PrecisionRow, Share, Staged, precision};
-pub use reduced::{ByEnergy, ByForce, ByStress};
+pub use reduced::{ByEnergy, ByForce, ByPoints, ByStress};
 pub use report::{Limit, Report, Row};
 pub use section::section;
 pub use textbook::{Textbook, TextbookKernel};

@@ -2,7 +2,7 @@
 //! truth closed forms answer to, and what a law costs that has none.
 
 use crate::formulation::ElementKernel;
-use crate::material::{Material, Tensor};
+use crate::material::{Blocks, Material, Tensor};
 use crate::scalar::{Algebra, Real};
 
 /// A material or an element kernel reduced to its energy: every derivative by dual numbers.
@@ -39,6 +39,30 @@ impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByStress<M> 
     #[inline(always)]
     fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
         self.0.stress(strain)
+    }
+}
+
+/// A material that does not say that its elasticity is constant: a beam of it is sampled at section
+/// points, which is what sections integrated once and for all answer to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByPoints<M>(pub M);
+
+impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByPoints<M> {
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
+        self.0.energy(strain)
+    }
+    #[inline(always)]
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        self.0.stress(strain)
+    }
+    #[inline(always)]
+    fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D> {
+        self.0.elasticity(strain)
+    }
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
+        self.0.stiffness(strain, c)
     }
 }
 

@@ -5,7 +5,7 @@ use num_traits::Signed;
 
 use super::Profile;
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
@@ -160,6 +160,31 @@ impl<R: Real> BandMatrix<R> {
                     self.data[mirrored] += source[j];
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Adds the matrices of `lanes` elements of `n` unknowns each, numbered consecutively from
+    /// `offset(lane)`: the entries of `block`, row-major and full.
+    #[inline(always)]
+    pub(crate) fn add_blocks<L: Lanes<R>>(
+        &mut self,
+        lanes: usize,
+        offset: impl Fn(usize) -> usize,
+        n: usize,
+        block: &[L],
+    ) -> Result<()> {
+        for lane in 0..lanes {
+            let (column, row) = (offset(lane), offset(lane) + n - 1);
+            if !self.profile.contains(row, column) {
+                return Err(Error::OutsideProfile { row, column });
+            }
+        }
+        for i in 0..n {
+            let count = if self.symmetric { i + 1 } else { n };
+            let (width, half) = (self.width, self.profile.half_bandwidth());
+            let target = |lane: usize| (offset(lane) + i) * width + half - i;
+            L::scatter(&block[i * n..i * n + count], lanes, &mut self.data, target);
         }
         Ok(())
     }

@@ -1,0 +1,292 @@
+//! Lanes in the registers of x86-64 processors newer than its baseline. The types are private: code
+//! meets them as the `L` of [`LaneWork::run`] only, which is called with them below the check that
+//! the processor has the instructions they are made of.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use num_traits::{One, Zero};
+
+use super::jet::{self, Jet};
+use super::lanes::{LaneWork, Lanes};
+use super::{Algebra, Field, Scalar};
+
+/// Rows and columns are exchanged in square blocks of this many.
+const TILE: usize = 4;
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn transpose_f64(tile: &mut [[f64; TILE]; TILE]) {
+    let load = |row: &[f64; TILE]| unsafe { _mm256_loadu_pd(row.as_ptr()) };
+    let (a, b, c, d) = (
+        load(&tile[0]),
+        load(&tile[1]),
+        load(&tile[2]),
+        load(&tile[3]),
+    );
+    let (ac, bd) = (
+        _mm256_permute2f128_pd(a, c, 0x20),
+        _mm256_permute2f128_pd(b, d, 0x20),
+    );
+    let (ca, db) = (
+        _mm256_permute2f128_pd(a, c, 0x31),
+        _mm256_permute2f128_pd(b, d, 0x31),
+    );
+    let rows = [
+        _mm256_unpacklo_pd(ac, bd),
+        _mm256_unpackhi_pd(ac, bd),
+        _mm256_unpacklo_pd(ca, db),
+        _mm256_unpackhi_pd(ca, db),
+    ];
+    for (row, values) in tile.iter_mut().zip(rows) {
+        unsafe { _mm256_storeu_pd(row.as_mut_ptr(), values) };
+    }
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn transpose_f32(tile: &mut [[f32; TILE]; TILE]) {
+    let load = |row: &[f32; TILE]| unsafe { _mm_loadu_ps(row.as_ptr()) };
+    let (a, b, c, d) = (
+        load(&tile[0]),
+        load(&tile[1]),
+        load(&tile[2]),
+        load(&tile[3]),
+    );
+    let (low, high) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
+    let (low2, high2) = (_mm_unpackhi_ps(a, b), _mm_unpackhi_ps(c, d));
+    let rows = [
+        _mm_movelh_ps(low, high),
+        _mm_movehl_ps(high, low),
+        _mm_movelh_ps(low2, high2),
+        _mm_movehl_ps(high2, low2),
+    ];
+    for (row, values) in tile.iter_mut().zip(rows) {
+        unsafe { _mm_storeu_ps(row.as_mut_ptr(), values) };
+    }
+}
+
+/// A lane type over a register, and the function that runs work in it.
+macro_rules! register {
+    (
+        $t:ident, $raw:ident, $r:ty, $width:literal, $feature:literal, $run:ident,
+        $set:ident $load:ident $store:ident $tile:ident
+        $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $fused:ident
+    ) => {
+        #[derive(Debug, Clone, Copy)]
+        pub(super) struct $t($raw);
+
+        /// Runs work in lanes of this type.
+        #[target_feature(enable = $feature)]
+        pub(super) fn $run<W: LaneWork<$r>>(work: W) -> W::Output {
+            work.run::<$t>()
+        }
+
+        // SAFETY, here and below: numbers of this type are made by work inside `$run` only, whose
+        // caller has found the processor to have the instructions.
+        register!(@operator $t, Add add $add, AddAssign add_assign);
+        register!(@operator $t, Sub sub $sub, SubAssign sub_assign);
+        register!(@operator $t, Mul mul $mul, MulAssign mul_assign);
+        register!(@operator $t, Div div $div, DivAssign div_assign);
+
+        impl $t {
+            #[inline(always)]
+            fn to_array(self) -> [$r; $width] {
+                let mut values = [0.0; $width];
+                self.store(&mut values);
+                values
+            }
+            #[inline(always)]
+            fn map(self, f: impl Fn($r) -> $r) -> Self {
+                Self::load(&self.to_array().map(f))
+            }
+        }
+        impl Neg for $t {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::lift(-0.0) - self
+            }
+        }
+        impl Zero for $t {
+            #[inline(always)]
+            fn zero() -> Self {
+                Self::lift(0.0)
+            }
+            fn is_zero(&self) -> bool {
+                self.to_array() == [0.0; $width]
+            }
+        }
+        impl One for $t {
+            #[inline(always)]
+            fn one() -> Self {
+                Self::lift(1.0)
+            }
+        }
+        impl Scalar for $t {
+            #[inline(always)]
+            fn lit(x: f64) -> Self {
+                Self::lift(x as $r)
+            }
+            #[inline(always)]
+            fn plus_product(self, a: Self, b: Self) -> Self {
+                Self(unsafe { $fused(a.0, b.0, self.0) })
+            }
+        }
+        impl Field for $t {
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn recip(self) -> Self {
+                Self::one() / self
+            }
+            fn exp(self) -> Self {
+                self.map(<$r>::exp)
+            }
+            fn ln(self) -> Self {
+                self.map(<$r>::ln)
+            }
+            fn sin(self) -> Self {
+                self.map(<$r>::sin)
+            }
+            fn cos(self) -> Self {
+                self.map(<$r>::cos)
+            }
+            #[inline(always)]
+            fn frozen(self) -> Self {
+                self
+            }
+        }
+        impl Algebra<$r> for $t {
+            type Dual<const M: usize> = Jet<Self, M>;
+            #[inline(always)]
+            fn lift(r: $r) -> Self {
+                Self(unsafe { $set(r) })
+            }
+            #[inline(always)]
+            fn times(self, r: $r) -> Self {
+                self * Self::lift(r)
+            }
+            #[inline(always)]
+            fn plus_times(self, r: $r, a: Self) -> Self {
+                self.plus_product(a, Self::lift(r))
+            }
+            jet::by_jet!();
+        }
+        impl Lanes<$r> for $t {
+            #[inline(always)]
+            fn load(from: &[$r]) -> Self {
+                let from = &from[..$width];
+                Self(unsafe { $load(from.as_ptr()) })
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$r]) {
+                let to = &mut to[..$width];
+                unsafe { $store(to.as_mut_ptr(), self.0) }
+            }
+            const WIDTH: usize = $width;
+
+            #[inline(always)]
+            fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
+                let mut rows = [x; $width];
+                for (lane, row) in rows.iter_mut().enumerate() {
+                    *row = &x[starts(lane)..][..columns.len()];
+                }
+                let whole = columns.len() / TILE * TILE;
+                for i in (0..whole).step_by(TILE) {
+                    let mut values = [[0.0; $width]; TILE];
+                    for first in (0..$width).step_by(TILE) {
+                        let mut tile = [[0.0; TILE]; TILE];
+                        for lane in 0..TILE {
+                            tile[lane].copy_from_slice(&rows[first + lane][i..i + TILE]);
+                        }
+                        unsafe { $tile(&mut tile) };
+                        for j in 0..TILE {
+                            values[j][first..first + TILE].copy_from_slice(&tile[j]);
+                        }
+                    }
+                    for j in 0..TILE {
+                        columns[i + j] = Self::load(&values[j]);
+                    }
+                }
+                for i in whole..columns.len() {
+                    let mut values = [0.0; $width];
+                    for lane in 0..$width {
+                        values[lane] = rows[lane][i];
+                    }
+                    columns[i] = Self::load(&values);
+                }
+            }
+            #[inline(always)]
+            fn scatter(
+                columns: &[Self],
+                lanes: usize,
+                x: &mut [$r],
+                starts: impl Fn(usize) -> usize,
+            ) {
+                let mut rows = [0; $width];
+                for (lane, row) in rows.iter_mut().enumerate().take(lanes) {
+                    *row = starts(lane);
+                }
+                for (b, block) in columns.chunks(TILE).enumerate() {
+                    let mut values = [[0.0; $width]; TILE];
+                    for (values, column) in values.iter_mut().zip(block) {
+                        column.store(values);
+                    }
+                    for first in (0..lanes).step_by(TILE) {
+                        let mut tile = [[0.0; TILE]; TILE];
+                        for j in 0..TILE {
+                            tile[j].copy_from_slice(&values[j][first..first + TILE]);
+                        }
+                        unsafe { $tile(&mut tile) };
+                        for lane in 0..TILE.min(lanes - first) {
+                            let row = &mut x[rows[first + lane] + TILE * b..][..block.len()];
+                            match <&mut [$r; TILE]>::try_from(&mut *row) {
+                                Ok(row) => (0..TILE).for_each(|j| row[j] += tile[lane][j]),
+                                Err(_) => (0..row.len()).for_each(|j| row[j] += tile[lane][j]),
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    (@operator $t:ident, $trait:ident $method:ident $op:ident, $assign:ident $assign_method:ident) => {
+        impl $trait for $t {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(unsafe { $op(self.0, other.0) })
+            }
+        }
+        impl $assign for $t {
+            #[inline(always)]
+            fn $assign_method(&mut self, other: Self) {
+                *self = $trait::$method(*self, other);
+            }
+        }
+    };
+}
+
+register!(
+    F64x4, __m256d, f64, 4, "avx2,fma", in_f64x4,
+    _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd transpose_f64
+    _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd _mm256_fmadd_pd
+);
+register!(
+    F32x8, __m256, f32, 8, "avx2,fma", in_f32x8,
+    _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps transpose_f32
+    _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps _mm256_fmadd_ps
+);
+register!(
+    F64x8, __m512d, f64, 8, "avx512f,avx2,fma", in_f64x8,
+    _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd transpose_f64
+    _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_fmadd_pd
+);
+register!(
+    F32x16, __m512, f32, 16, "avx512f,avx2,fma", in_f32x16,
+    _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps transpose_f32
+    _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_fmadd_ps
+);

@@ -1,0 +1,272 @@
+//! Claims about lanes: their arithmetic is that of the numbers they are made of, the lanes picked
+//! at run time and the portable ones agree to rounding, and a chain of elements gives the same in
+//! lanes as element by element, whatever its length and wherever in a group an element falls.
+
+use ancf::formulation::{ElementKernel, Reference, Tangent};
+use ancf::prelude::*;
+use ancf::scalar::{LaneWork, Lanes};
+use ancf::solver::Matrix;
+use simba::simd::{WideF32x8, WideF64x4};
+
+/// Every operation of a lane type on `count` numbers, padded to whole lanes.
+struct Operations<R>(Vec<R>);
+
+impl<R: Real> LaneWork<R> for Operations<R> {
+    type Output = (usize, Vec<Vec<R>>);
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Self::Output {
+        let mut results: Vec<Vec<R>> = vec![];
+        for group in self.0.chunks_exact(L::WIDTH) {
+            let x = L::load(group);
+            let mut sum = x;
+            sum += x * x;
+            sum -= L::lit(0.25);
+            sum *= x;
+            sum /= L::lit(3.0);
+            let all = [
+                x + L::one(),
+                x - L::lit(2.0),
+                x * x,
+                x / L::lit(3.0),
+                -x,
+                x.sqrt(),
+                x.recip(),
+                x.exp(),
+                x.ln(),
+                x.sin(),
+                x.cos(),
+                x.powf(1.5),
+                x.times(R::lit(7.0)),
+                x.plus_times(R::lit(7.0), x),
+                L::one().plus_product(x, x),
+                L::lift(R::lit(0.1)) * x,
+                sum,
+            ];
+            results.resize(all.len(), vec![]);
+            for (result, y) in results.iter_mut().zip(all) {
+                let mut values = vec![R::zero(); L::WIDTH];
+                y.store(&mut values);
+                result.extend(values);
+            }
+            assert!(!x.is_zero() && L::zero().is_zero());
+        }
+        (L::WIDTH, results)
+    }
+}
+
+fn numbers<R: Real>() -> Vec<R> {
+    (0..48).map(|i| R::lit(0.3 + 0.37 * f64::from(i))).collect()
+}
+
+fn agree<R: Real>(a: Vec<Vec<R>>, b: Vec<Vec<R>>, units: f64) {
+    assert_eq!(a.len(), b.len());
+    for (operation, (a, b)) in a.iter().zip(&b).enumerate() {
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(b) {
+            let (a, b) = (a.value(), b.value());
+            let error = (a - b).abs() / (1.0 + b.abs());
+            assert!(
+                error <= units * R::EPSILON,
+                "operation {operation}: {a} and {b}"
+            );
+        }
+    }
+}
+
+/// Sums and products round alike, fused ones once less; functions of other libraries differ by a
+/// unit or two, and the power by the logarithm's error times its size.
+#[test]
+fn lanes_compute_what_numbers_compute() {
+    let plain = Operations(numbers::<f64>()).run::<f64>();
+    assert_eq!(plain.0, 1);
+    let (width, picked) = f64::dispatch(Operations(numbers()));
+    assert!(width >= 4);
+    agree(picked, plain.1.clone(), 8.0);
+    agree(Operations(numbers()).run::<WideF64x4>().1, plain.1, 8.0);
+    let plain = Operations(numbers::<f32>()).run::<f32>();
+    let (width, picked) = f32::dispatch(Operations(numbers()));
+    assert!(width >= 8);
+    agree(picked, plain.1.clone(), 8.0);
+    agree(Operations(numbers()).run::<WideF32x8>().1, plain.1, 8.0);
+}
+
+/// Reads overlapping rows into columns and adds them back `lanes` at a time.
+struct Exchange(usize);
+
+impl<R: Real> LaneWork<R> for Exchange {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let x: Vec<R> = (0..100).map(|i| R::lit(f64::from(i))).collect();
+        let start = |lane: usize| 3 * lane;
+        let mut columns = vec![L::zero(); self.0];
+        L::gather(&x, start, &mut columns);
+        for lanes in 1..=L::WIDTH {
+            let mut sum = vec![R::zero(); x.len()];
+            L::scatter(&columns, lanes, &mut sum, start);
+            let mut expected = vec![R::zero(); x.len()];
+            for lane in 0..lanes {
+                for i in 0..self.0 {
+                    expected[start(lane) + i] += x[start(lane) + i];
+                }
+            }
+            assert_eq!(sum, expected, "{lanes} lanes of {} columns", self.0);
+        }
+    }
+}
+
+#[test]
+fn rows_become_columns_and_rows_again() {
+    for columns in 0..=13 {
+        f64::dispatch(Exchange(columns));
+        f32::dispatch(Exchange(columns));
+        LaneWork::<f64>::run::<WideF64x4>(Exchange(columns));
+        LaneWork::<f32>::run::<WideF32x8>(Exchange(columns));
+        LaneWork::<f64>::run::<f64>(Exchange(columns));
+    }
+}
+
+/// The number of lanes.
+struct Width;
+
+impl<R: Real> LaneWork<R> for Width {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> usize {
+        L::WIDTH
+    }
+}
+
+fn axis<R: Real, const D: usize>(k: usize) -> [R; D] {
+    std::array::from_fn(|c| if c == k { R::one() } else { R::zero() })
+}
+
+type Solid<R, const D: usize> = SaintVenantKirchhoff<R, D>;
+
+fn system<R: Real, const D: usize, const S: usize>(
+    rule: &Continuum<Solid<R, D>>,
+    n: usize,
+) -> System<R, D>
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<Solid<R, D>>: Formulation<R, FullyParameterised, D, S>,
+{
+    let disk = Disk::new(R::lit(0.05)).unwrap();
+    let beam = Beam::new(FullyParameterised, disk, rule.clone());
+    let end = axis::<R, D>(0).map(|c| c * R::lit(0.25 * n as f64));
+    let mut scene = Scene::<R, D>::new();
+    scene.add(beam.straight([R::zero(); D], end, n)).unwrap();
+    scene.assemble().unwrap()
+}
+
+fn largest<R: Real>(values: &[R]) -> f64 {
+    values.iter().fold(0.0, |m, v| v.value().abs().max(m))
+}
+
+/// Energy, force and tangent of chains of 1 to 20 elements against their elements one by one.
+fn check_chains<R: Real, const D: usize, const S: usize>()
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<Solid<R, D>>: Formulation<R, FullyParameterised, D, S>,
+{
+    let solid = Solid::<R, D>::isotropic(R::lit(1e6), R::lit(0.3)).unwrap();
+    let rule = Continuum::selective_reduced(solid);
+    let disk = Disk::new(R::lit(0.05)).unwrap();
+    let reference =
+        Reference::straight(&FullyParameterised, R::lit(0.25), std::array::from_fn(axis));
+    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    assert!(kernel.dispatch(Width) >= 4);
+    // Rounding of some hundred terms on either side.
+    let small = 200.0 * R::EPSILON;
+    for n in 1..=20 {
+        let system = system::<R, D, S>(&rule, n);
+        let mut state = system.rest();
+        let size = state.displacement.len();
+        for (i, u) in state.displacement.iter_mut().enumerate() {
+            *u = R::lit(0.1 * (1.7 * i as f64).sin());
+        }
+        let u = &state.displacement;
+        let (mut force, mut expected) = (vec![R::zero(); size], vec![R::zero(); size]);
+        system.add_internal(u, &mut force);
+        let mut tangent = Matrix::zero(system.unknowns(), true);
+        let mut general = Matrix::zero(system.unknowns(), false);
+        system
+            .add_tangent(R::zero(), R::one(), u, &mut tangent)
+            .unwrap();
+        system
+            .add_tangent(R::zero(), R::one(), u, &mut general)
+            .unwrap();
+        let mut sum = Matrix::zero(system.unknowns(), false);
+        let mut energy = R::zero();
+        for element in 0..n {
+            let start = element * S * D / 2;
+            let own: [[R; D]; S] =
+                std::array::from_fn(|i| std::array::from_fn(|c| u[start + i * D + c]));
+            energy += kernel.energy(&own);
+            let mut q = [[R::zero(); D]; S];
+            let mut k: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+            kernel.tangent(&own, &mut q, &mut k);
+            for (e, q) in expected[start..].iter_mut().zip(q.as_flattened()) {
+                *e += *q;
+            }
+            let block = k.as_flattened().as_flattened().as_flattened();
+            sum.add_block(start, S * D, block).unwrap();
+        }
+        let elastic = system.energies(&state).unwrap().elastic;
+        assert!(
+            (elastic / energy - R::one()).value().abs() < small,
+            "energy, {n}"
+        );
+        let top = largest(&expected);
+        for (a, b) in force.iter().zip(&expected) {
+            assert!(
+                (*a - *b).value().abs() < small * top,
+                "force of {n} elements"
+            );
+        }
+        let entries = |m: &Matrix<R>| -> Vec<R> {
+            (0..size)
+                .flat_map(|i| (0..size).map(move |j| (i, j)))
+                .map(|(i, j)| m.stored().get(i, j))
+                .collect()
+        };
+        let expected = entries(&sum);
+        let top = largest(&expected);
+        for matrix in [&tangent, &general] {
+            for (a, b) in entries(matrix).iter().zip(&expected) {
+                assert!(
+                    (*a - *b).value().abs() < small * top,
+                    "tangent of {n} elements"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_chain_is_the_sum_of_its_elements() {
+    check_chains::<f64, 3, 8>();
+    check_chains::<f64, 2, 6>();
+    check_chains::<f32, 3, 8>();
+    check_chains::<f32, 2, 6>();
+}
+
+/// All nodes displaced alike strain all elements alike: forces on inner nodes are then the same to
+/// the last bit, wherever groups of lanes begin and end.
+#[test]
+fn equal_elements_give_equal_forces_to_the_last_bit() {
+    let solid = Solid::<f64, 3>::isotropic(1e6, 0.3).unwrap();
+    for n in [2, 7, 21] {
+        let system = system::<f64, 3, 8>(&Continuum::full(solid), n);
+        let displacement = |i: usize| 0.1 * (1.3 * (i % 12) as f64).cos();
+        let u: Vec<f64> = (0..12 * (n + 1)).map(displacement).collect();
+        let mut q = vec![0.0; u.len()];
+        system.add_internal(&u, &mut q);
+        let inner: Vec<_> = q[12..12 * n].chunks(12).collect();
+        assert!(largest(inner[0]) > 1.0);
+        assert!(inner.iter().all(|node| node == &inner[0]), "{n} elements");
+    }
+}
