@@ -125,6 +125,16 @@ pub enum Error {
         /// Why the last step failed.
         cause: Box<Error>,
     },
+    /// An equilibrium is stable in other directions than the one before it.
+    #[error(
+        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow the path with Path"
+    )]
+    StabilityChanged {
+        /// Negative eigenvalues of the tangent before the step.
+        before: usize,
+        /// Negative eigenvalues after it.
+        now: usize,
+    },
     /// A beam has been turned inside out: its slopes span a volume of the wrong sign.
     #[error(
         "node {node} of beam {body} is turned inside out (volume ratio {ratio:.1e}): the equations have such solutions, but no beam has; the load may be too large (check its unit), or the step too long"

@@ -86,13 +86,13 @@ pub mod prelude {
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{
-        Beam, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed, Scene, System,
+        Beam, Energies, Joint, Moment, MomentLaw, Motion, Node, Placed, Scene, Spinning, System,
     };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
         c_profile, i_profile, l_profile, t_profile,
     };
-    pub use crate::solver::{Newton, Refresh, State, Statics, Structure};
+    pub use crate::solver::{Mode, Modes, Newton, Refresh, State, Statics, Structure};
 }
 
 /// The programs of the README, kept compiling.

@@ -7,11 +7,13 @@ mod beam;
 mod chain;
 mod joint;
 mod load;
+mod spinning;
 mod system;
 
 pub use beam::Beam;
 pub use joint::{Joint, Motion};
 pub use load::{Moment, MomentLaw};
+pub use spinning::Spinning;
 pub use system::{Energies, System};
 
 use std::sync::Arc;

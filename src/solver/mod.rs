@@ -3,7 +3,9 @@
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
+mod eigen;
 mod matrix;
+mod modes;
 mod newton;
 mod state;
 mod statics;
@@ -12,6 +14,7 @@ mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
 pub use matrix::Matrix;
+pub use modes::{Mode, Modes};
 pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use state::State;

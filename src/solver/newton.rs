@@ -156,6 +156,20 @@ impl<R: Real> Workspace<R> {
         self.factored = false;
     }
 
+    /// Factorises the tangent at `u`, and tells its negative eigenvalues where the factors do.
+    pub(crate) fn unstable<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+    ) -> Result<Option<usize>> {
+        match self.renew(structure, equations, u) {
+            Ok(()) => Ok(self.factor.inertia()),
+            Err(Error::Mechanism { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Sum of the corrections of the last solve: `u` minus the guess, with all its digits.
     pub(crate) fn moved(&self) -> &[R] {
         &self.moved

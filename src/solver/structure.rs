@@ -97,4 +97,12 @@ pub trait Structure<R: Real> {
     /// # Errors
     /// When the matrix is of other unknowns.
     fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()>;
+
+    /// Whether there are gyroscopic forces, as in a rotating frame; none by default.
+    fn has_gyroscopic(&self) -> bool {
+        false
+    }
+
+    /// Adds the gyroscopic forces `G v`, `G` skew; none by default.
+    fn add_gyroscopic(&self, _v: &[R], _out: &mut [R]) {}
 }
