@@ -51,7 +51,7 @@
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics |
 //! | [`scene`] | beams, supports, loads, gravity, and the system they assemble to |
-//! | [`solver`] | band factorisation, Newton's method, statics |
+//! | [`solver`] | band factorisation, Newton's method, statics, path following with its limit and bifurcation points, natural frequencies and buckling loads |
 //! | [`integrator`] | Newmark's method with fixed and error-controlled steps |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives |
@@ -92,7 +92,10 @@ pub mod prelude {
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
         c_profile, i_profile, l_profile, t_profile,
     };
-    pub use crate::solver::{Mode, Modes, Newton, Refresh, State, Statics, Structure};
+    pub use crate::solver::{
+        Continuation, Control, Criticality, Mode, Modes, Newton, Path, PathPoint, Refresh, State,
+        Statics, Structure, Target,
+    };
 }
 
 /// The programs of the README, kept compiling.

@@ -65,4 +65,20 @@ fn a_step_allocates_nothing() {
             assert_eq!(count, 0, "adaptive, {refresh:?}, moment: {moment}");
         }
     }
+    // A step along a path of equilibria.
+    let mut scene = Scene::<f64, 3>::new();
+    let beam = Beam::new(FullyParameterised, disk, formulation);
+    let beam = scene
+        .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 10))
+        .unwrap();
+    scene.clamp(beam.start()).unwrap();
+    scene.force(beam.end(), [0.0, 1.0, 0.0]).unwrap();
+    let system = scene.assemble().unwrap();
+    for control in [Control::Sphere, Control::Plane, Control::Load] {
+        let settings = Path::by(control, 0.01);
+        let mut path = Continuation::start(&system, system.rest(), 0.0, &settings).unwrap();
+        path.step().unwrap();
+        let count = allocations(|| path.until(Target::Points(5), |_| {}).unwrap());
+        assert_eq!(count, 0, "{control:?}");
+    }
 }

@@ -243,7 +243,7 @@ fn definite<R: Real>(matrix: &Matrix<R>, what: &str) -> Result<Factor<R>> {
 }
 
 /// Changes of the unknowns as changes of all coordinates.
-fn spread<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> Vec<R> {
+pub(super) fn spread<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> Vec<R> {
     let unknowns = structure.unknowns();
     let mut all = vec![R::zero(); unknowns.coordinates()];
     for (x, i) in x.iter().zip(unknowns.free()) {
@@ -254,7 +254,7 @@ fn spread<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> Vec<R> {
 }
 
 /// The largest component in natural sizes.
-fn natural<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> R {
+pub(super) fn natural<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> R {
     let sizes = x.iter().zip(structure.measure());
     sizes.fold(R::zero(), |largest, (x, unit)| {
         largest.larger((*x / *unit).abs())
