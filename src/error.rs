@@ -125,6 +125,38 @@ pub enum Error {
         /// Why the last step failed.
         cause: Box<Error>,
     },
+    /// Path following stopped.
+    #[error(
+        "the path of equilibria stopped at the load factor {factor}: the last equilibrium is kept; steps down to {step:.1e} failed because {cause}"
+    )]
+    PathStopped {
+        /// Load factor of the last equilibrium.
+        factor: f64,
+        /// Smallest step tried.
+        step: f64,
+        /// Why it failed.
+        cause: Box<Error>,
+    },
+    /// A path did not come to its target.
+    #[error(
+        "the path has not come to its target after {points} points, at the load factor {factor}: check that it leads there, or allow longer steps or more points (Path::points)"
+    )]
+    TargetMissed {
+        /// Points found.
+        points: usize,
+        /// Load factor of the last one.
+        factor: f64,
+    },
+    /// An equilibrium is stable in other directions than the one before it.
+    #[error(
+        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow the path with Path"
+    )]
+    StabilityChanged {
+        /// Negative eigenvalues of the tangent before the step.
+        before: usize,
+        /// Negative eigenvalues after it.
+        now: usize,
+    },
     /// A beam has been turned inside out: its slopes span a volume of the wrong sign.
     #[error(
         "node {node} of beam {body} is turned inside out (volume ratio {ratio:.1e}): the equations have such solutions, but no beam has; the load may be too large (check its unit), or the step too long"

@@ -51,7 +51,7 @@
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
 //! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
-//! | [`solver`] | band and sparse factorisation, Newton's method, statics |
+//! | [`solver`] | band and sparse factorisation, Newton's method, statics, path following with its limit and bifurcation points, natural frequencies and buckling loads |
 //! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
@@ -89,13 +89,16 @@ pub mod prelude {
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{
         Beam, Connector, Constraint, Energies, Joint, Moment, MomentLaw, Momenta, Motion, Node,
-        Placed, RigidBody, Scene, System,
+        Placed, RigidBody, Scene, Spinning, System,
     };
     pub use crate::section::{
         Annulus, Disk, Ellipse, Loop, Moments, Offset, Outline, Rectangle, Section, box_profile,
         c_profile, i_profile, l_profile, t_profile,
     };
-    pub use crate::solver::{Newton, Refresh, Secant, State, Statics, Structure};
+    pub use crate::solver::{
+        Continuation, Control, Criticality, Mode, Modes, Newton, Path, PathPoint, Refresh, Secant,
+        State, Statics, Structure, Target,
+    };
 }
 
 /// The programs of the README, kept compiling.

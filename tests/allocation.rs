@@ -113,6 +113,22 @@ fn a_step_allocates_nothing() {
     quiet(&system, &Collocation::radau(3), fixed);
     let explicit = CentralDifference { renewal: 5 };
     quiet(&system, &explicit, Stepping::Stable(0.9));
+    // A step along a path of equilibria.
+    let mut scene = Scene::<f64, 3>::new();
+    let beam = Beam::new(FullyParameterised, disk, formulation);
+    let beam = scene
+        .add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 10))
+        .unwrap();
+    scene.clamp(beam.start()).unwrap();
+    scene.force(beam.end(), [0.0, 1.0, 0.0]).unwrap();
+    let system = scene.assemble().unwrap();
+    for control in [Control::Sphere, Control::Plane, Control::Load] {
+        let settings = Path::by(control, 0.01);
+        let mut path = Continuation::start(&system, system.rest(), 0.0, &settings).unwrap();
+        path.step().unwrap();
+        let count = allocations(|| path.until(Target::Points(5), |_| {}).unwrap());
+        assert_eq!(count, 0, "{control:?}");
+    }
 }
 
 /// No allocation in a run of this scheme, nor in finding an event.

@@ -77,6 +77,12 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         mut state: State<R>,
         scheme: &impl Scheme<R, Method = M>,
     ) -> Result<Self> {
+        if structure.has_gyroscopic() {
+            return Err(Error::Unsupported {
+                what: "time integration in a rotating frame".into(),
+                remedy: "integrate the system itself, with System::set_rigid_velocity",
+            });
+        }
         let method = scheme.start(structure, &mut state)?;
         Ok(Self {
             structure,

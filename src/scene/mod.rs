@@ -9,6 +9,7 @@ mod chain;
 mod joint;
 mod load;
 mod rigid;
+mod spinning;
 mod system;
 mod tie;
 
@@ -16,6 +17,7 @@ pub use beam::Beam;
 pub use joint::{Joint, Motion};
 pub use load::{Moment, MomentLaw};
 pub use rigid::RigidBody;
+pub use spinning::Spinning;
 pub use system::{Drift, Energies, Momenta, System};
 pub use tie::{Connector, Constraint};
 

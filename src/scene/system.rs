@@ -368,6 +368,20 @@ impl<R: Real, const D: usize> System<R, D> {
         bodies.chain(connectors).sum()
     }
 
+    /// Calls `give` for every entry of the mass matrix over nodal vectors.
+    pub(super) fn each_mass(&self, mut give: impl FnMut(usize, usize, R)) {
+        let Some(mass) = &self.mass else { return };
+        for i in 0..mass.size() {
+            let (first, row) = mass.row(i);
+            for (j, m) in (first..).zip(row) {
+                give(i, j, *m);
+                if i != j {
+                    give(j, i, *m);
+                }
+            }
+        }
+    }
+
     /// What is modelled, in words: unknowns, bodies, terms switched on.
     pub fn describe(&self) -> String {
         self.to_string()

@@ -1,11 +1,17 @@
-//! Solvers: linear algebra of chains, trees and loops, Newton's method, statics. They live apart from the mechanics
+//! Solvers: linear algebra of chains, trees and loops, Newton's method, statics, path following,
+//! modes. They live apart from the mechanics
 //! because they know nothing of beams: they see a [`Structure`] through residuals, tangents and
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
+mod continuation;
+mod critical;
+mod eigen;
 mod matrix;
+mod modes;
 mod newton;
 mod order;
+mod path;
 mod sparse;
 mod state;
 mod statics;
@@ -14,9 +20,13 @@ mod structure;
 mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
+pub use continuation::Continuation;
+pub use critical::{Critical, Criticality};
 pub use matrix::Matrix;
+pub use modes::{Mode, Modes};
 pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
+pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;

@@ -83,6 +83,7 @@ pub struct Solved {
 }
 
 /// The equations of one solve: statics at a load level, or a time step.
+#[derive(Clone, Copy)]
 pub(crate) struct Equations<'a, R> {
     /// Time at which loads are taken (s).
     pub(crate) time: R,
@@ -96,6 +97,19 @@ pub(crate) struct Equations<'a, R> {
     pub(crate) inertia: Option<(R, &'a [R])>,
 }
 
+/// What the load factor is chosen by when it is an unknown itself: changes of all coordinates.
+pub(crate) struct Changes<'a, R> {
+    /// Since the start of the solve.
+    pub(crate) moved: &'a [R],
+    /// By the correction at a fixed load factor.
+    pub(crate) residual: &'a [R],
+    /// By a unit of the load factor.
+    pub(crate) load: &'a [R],
+}
+
+/// Chooses the next change of the load factor; none when there is none.
+pub(crate) type Choice<'a, R> = dyn FnMut(&Changes<'_, R>) -> Option<R> + 'a;
+
 /// Vectors and matrices of Newton's method, allocated once.
 #[derive(Debug)]
 pub(crate) struct Workspace<R> {
@@ -104,6 +118,8 @@ pub(crate) struct Workspace<R> {
     factored: bool,
     /// The scale of the mass, while the factors are those of the mass alone.
     held_mass: Option<R>,
+    /// Whether the factors are those of the state that the next solve starts from.
+    current: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
     floor: R,
     internal: Vec<R>,
@@ -119,6 +135,8 @@ pub(crate) struct Workspace<R> {
     /// Two more vectors by unknowns.
     rounded: Vec<R>,
     positions: Vec<R>,
+    /// Change of coordinates at a fixed load factor, where that is an unknown.
+    fixed: Vec<R>,
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
@@ -149,6 +167,7 @@ impl<R: Real> Workspace<R> {
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
             held_mass: None,
+            current: false,
             floor: R::zero(),
             internal: zeros(),
             external: zeros(),
@@ -162,6 +181,7 @@ impl<R: Real> Workspace<R> {
             unknown: vec![R::zero(); unknowns.count()],
             rounded: vec![R::zero(); unknowns.count()],
             positions: vec![R::zero(); unknowns.count()],
+            fixed: Vec::new(),
         }
     }
 
@@ -169,6 +189,36 @@ impl<R: Real> Workspace<R> {
     pub(crate) fn forget(&mut self) {
         self.factored = false;
         self.held_mass = None;
+        self.current = false;
+    }
+
+    /// Says that the next solve starts from the state of the last factorisation.
+    pub(crate) fn stay(&mut self) {
+        self.current = self.factored;
+    }
+
+    /// Whether there are factors of a tangent.
+    pub(crate) fn factored(&self) -> bool {
+        self.factored
+    }
+
+    /// The factors of the last tangent.
+    pub(crate) fn factor(&mut self) -> &mut Factor<R> {
+        &mut self.factor
+    }
+
+    /// Factorises the tangent at `u`, and tells its negative eigenvalues where the factors do.
+    pub(crate) fn unstable<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+    ) -> Result<Option<usize>> {
+        match self.renew(structure, equations, u) {
+            Ok(()) => Ok(self.factor.inertia()),
+            Err(Error::Mechanism { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     /// Sum of the corrections of the last solve: `u` minus the guess, with all its digits.
@@ -186,6 +236,22 @@ impl<R: Real> Workspace<R> {
         equations: &Equations<'_, R>,
         u: &mut [R],
     ) -> Result<Solved> {
+        let solved = self.solve_along(structure, settings, equations, None, u)?;
+        Ok(solved.0)
+    }
+
+    /// As [`solve`](Self::solve), with the load factor an unknown that `choice` gives; returns it,
+    /// too.
+    pub(crate) fn solve_along<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        settings: &Newton,
+        equations: &Equations<'_, R>,
+        mut choice: Option<&mut Choice<'_, R>>,
+        u: &mut [R],
+    ) -> Result<(Solved, R)> {
+        let mut equations = *equations;
+        let mut current = std::mem::take(&mut self.current);
         let mut solved = Solved::default();
         let mut correction: Option<R> = None;
         let mut previous: Option<R> = None;
@@ -197,7 +263,7 @@ impl<R: Real> Workspace<R> {
             self.forget();
         }
         loop {
-            let balance = self.balance(structure, equations, u)?;
+            let balance = self.balance(structure, &equations, u)?;
             solved.residual = (balance.residual / balance.scale).value();
             if !balance.residual.finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
@@ -221,7 +287,7 @@ impl<R: Real> Workspace<R> {
                 solved.at_floor = !small;
                 if extra == 0 {
                     structure.check(u)?;
-                    return Ok(solved);
+                    return Ok((solved, equations.factor));
                 }
                 extra -= 1;
                 self.forget();
@@ -239,12 +305,20 @@ impl<R: Real> Workspace<R> {
                 Refresh::EverySolve | Refresh::Never => false,
                 Refresh::WhenSlow => !fell_to(SLOW),
             };
-            if renew || !self.factored {
-                self.renew(structure, equations, u)?;
+            if (renew && !current) || !self.factored {
+                self.renew(structure, &equations, u)?;
                 solved.tangents += 1;
             }
+            current = false;
             previous = Some(balance.residual);
-            correction = Some(self.correct(structure, u)?);
+            self.solve_linear(structure.unknowns())?;
+            if let Some(choice) = &mut choice {
+                let change = self.load_change(structure, &equations, *choice, u)?;
+                equations.factor += change.ok_or_else(|| {
+                    self.unconverged(solved, "the step leads to no point of the path")
+                })?;
+            }
+            correction = Some(self.correct(structure, u));
             solved.iterations += 1;
         }
     }
@@ -530,9 +604,37 @@ impl<R: Real> Workspace<R> {
         )
     }
 
-    /// Applies one correction and returns its largest component in natural sizes.
-    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> Result<R> {
+    /// The change of the load factor that goes with the correction in `scratch`, to which what that
+    /// change brings is added.
+    fn load_change<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        choice: &mut Choice<'_, R>,
+        u: &[R],
+    ) -> Result<Option<R>> {
+        self.fixed.clear();
+        self.fixed.extend_from_slice(&self.scratch);
+        self.scratch.fill(R::zero());
+        structure.add_external(equations.time, R::one(), u, &mut self.scratch)?;
+        structure.unknowns().reduce(&mut self.scratch);
         self.solve_linear(structure.unknowns())?;
+        let change = choice(&Changes {
+            moved: &self.moved,
+            residual: &self.fixed,
+            load: &self.scratch,
+        });
+        let Some(change) = change.filter(|change| change.finite()) else {
+            return Ok(None);
+        };
+        for (load, fixed) in self.scratch.iter_mut().zip(&self.fixed) {
+            *load = *fixed + change * *load;
+        }
+        Ok(Some(change))
+    }
+
+    /// Applies the correction in `scratch` and returns its largest component in natural sizes.
+    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> R {
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
         for (((u, moved), du), measure) in corrected.zip(structure.measure()) {
@@ -540,7 +642,7 @@ impl<R: Real> Workspace<R> {
             *moved += *du;
             largest = largest.larger((*du / *measure).abs());
         }
-        Ok(largest)
+        largest
     }
 }
 

@@ -21,6 +21,10 @@ pub struct Statics {
     pub cutbacks: usize,
     /// Newton's method at each load level.
     pub newton: Newton,
+    /// Whether to refuse a step after which the equilibrium is unstable in another number of
+    /// directions than before: it has passed a limit or bifurcation point or jumped to another
+    /// branch. Statics then stops before that point.
+    pub hold_stability: bool,
 }
 
 impl Default for Statics {
@@ -29,6 +33,7 @@ impl Default for Statics {
             steps: 1,
             cutbacks: 12,
             newton: Newton::default(),
+            hold_stability: false,
         }
     }
 }
@@ -46,6 +51,10 @@ pub struct StaticReport {
     pub residual: f64,
     /// Whether that residual is the one rounding leaves, above the tolerance asked for.
     pub at_floor: bool,
+    /// Directions in which the equilibrium is unstable: the negative eigenvalues of its tangent. 0
+    /// for a stable equilibrium, `None` where the factorisation does not tell (unsymmetric
+    /// tangents).
+    pub unstable: Option<usize>,
 }
 
 impl Statics {
@@ -62,7 +71,9 @@ impl Statics {
     ///
     /// # Errors
     /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
-    /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load), [`Error::Mechanism`] for too few supports;
+    /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load) or
+    /// with [`Error::StabilityChanged`] when that is [refused](Self::hold_stability);
+    /// [`Error::Mechanism`] for too few supports;
     /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
     pub fn solve<R: Real, S: Structure<R>>(
         &self,
@@ -112,7 +123,21 @@ impl Statics {
                 initial: Some(&initial),
                 inertia: None,
             };
-            match workspace.solve(structure, &self.newton, &equations, &mut u) {
+            let solved = workspace
+                .solve(structure, &self.newton, &equations, &mut u)
+                .and_then(|solved| {
+                    if self.hold_stability {
+                        let now = workspace.unstable(structure, &equations, &u)?;
+                        if let (Some(before), Some(now)) = (report.unstable, now)
+                            && before != now
+                        {
+                            return Err(Error::StabilityChanged { before, now });
+                        }
+                        report.unstable = now;
+                    }
+                    Ok(solved)
+                });
+            match solved {
                 Ok(solved) => {
                     before = Some((state.displacement.clone(), reached));
                     state.displacement.copy_from_slice(&u);
@@ -146,6 +171,15 @@ impl Statics {
                     }
                 }
             }
+        }
+        if !self.hold_stability {
+            let equations = Equations {
+                time: state.time,
+                factor: R::one(),
+                initial: None,
+                inertia: None,
+            };
+            report.unstable = workspace.unstable(structure, &equations, &u)?;
         }
         Ok(report)
     }

@@ -174,4 +174,12 @@ pub trait Structure<R: Real> {
             remedy: "implement secant, add_secant and add_secant_tangent of Structure, or use another method",
         })
     }
+
+    /// Whether there are gyroscopic forces, as in a rotating frame; none by default.
+    fn has_gyroscopic(&self) -> bool {
+        false
+    }
+
+    /// Adds the gyroscopic forces `G v`, `G` skew; none by default.
+    fn add_gyroscopic(&self, _v: &[R], _out: &mut [R]) {}
 }

@@ -1,15 +1,13 @@
 //! Natural frequencies of a short chain against beam theory: stiffness, mass and their assembly in
 //! one number per mode.
 
-use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
-
 use super::{Limit, Report};
 use crate::element::Element;
-use crate::error::{Error, Result, positive};
+use crate::error::{Result, positive};
 use crate::formulation::Formulation;
 use crate::scene::{Beam, Scene};
 use crate::section::Section;
-use crate::solver::{Matrix, Structure};
+use crate::solver::{Modes, Structure};
 
 /// A uniform beam and its mesh: what theory and chain share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +35,7 @@ const MODES: usize = 2;
 /// them. The beam must be slender enough for its bending modes to come first.
 ///
 /// # Errors
-/// Those of the scene; [`Error::NotPositive`] when mass or stiffness has no positive modes.
+/// Those of the scene and of [`Modes::vibration`].
 pub fn frequencies<E, F, X, const D: usize, const S: usize>(
     element: &E,
     formulation: &F,
@@ -60,7 +58,6 @@ where
     scene.pin(beam.start())?;
     scene.pin(beam.end())?;
     let system = scene.assemble()?;
-    let squares = squared_frequencies(&system)?;
 
     let p = section.properties()?;
     let mut truth: Vec<(f64, f64, String)> = Vec::new();
@@ -75,10 +72,12 @@ where
     truth.truncate(MODES * (D - 1));
     // Spinning about the axis costs nothing when the ends are spherical joints.
     let lowest = positive("lowest frequency of the beam [rad/s]", truth[0].0)?;
-    let found: Vec<f64> = squares
+    let modes = Modes::lowest((truth.len() + 1).min(system.unknowns().count()));
+    let modes = modes.vibration(&system, &system.rest(), 1.0)?;
+    let found: Vec<f64> = modes
         .into_iter()
-        .filter(|square| *square > 1e-4 * lowest * lowest)
-        .map(f64::sqrt)
+        .filter(|mode| mode.value > 1e-4 * lowest * lowest)
+        .map(|mode| mode.frequency())
         .collect();
     let mut report = Report::new(format!("{element:?} in {D} dimensions on {section:?}"));
     for (k, (timoshenko, euler, case)) in truth.into_iter().enumerate() {
@@ -111,40 +110,4 @@ fn simply_supported(rod: &Rod, area: f64, second: f64, mode: usize) -> [f64; 2] 
     let c = bending * q2 * q2;
     let square = 2.0 * c / (b + (b * b - 4.0 * a * c).sqrt());
     [square.sqrt(), (c / mass).sqrt()]
-}
-
-/// Squares of the circular frequencies of a structure about its reference state, ascending.
-fn squared_frequencies(structure: &impl Structure<f64>) -> Result<Vec<f64>> {
-    let unknowns = structure.unknowns();
-    let mut matrices = [Matrix::zero(unknowns, false), Matrix::zero(unknowns, false)];
-    let [stiffness, mass] = &mut matrices;
-    structure.add_tangent(0.0, 1.0, &vec![0.0; unknowns.coordinates()], stiffness)?;
-    structure.add_mass(1.0, mass)?;
-    let n = unknowns.count();
-    let [stiffness, mass] = matrices.map(|m| DMatrix::from_fn(n, n, |i, j| m.stored().get(i, j)));
-    let smallest = mass.diagonal().min();
-    let Some(factor) = Cholesky::new(mass) else {
-        return Err(Error::NotPositive {
-            what: "definiteness of the mass matrix, whose smallest diagonal entry",
-            value: smallest,
-        });
-    };
-    // L^-1 K L^-T has the eigenvalues of M^-1 K and is symmetric.
-    let l = factor.l();
-    let half = l.solve_lower_triangular(&stiffness);
-    let reduced = half.and_then(|half| l.solve_lower_triangular(&half.transpose()));
-    let Some(reduced) = reduced.filter(|m| m.iter().all(|v| v.is_finite())) else {
-        return Err(Error::NotFinite {
-            what: "tangent of the reference state",
-            value: f64::NAN,
-        });
-    };
-    let symmetric = (&reduced + reduced.transpose()) * 0.5;
-    let mut squares: Vec<f64> = SymmetricEigen::new(symmetric)
-        .eigenvalues
-        .iter()
-        .copied()
-        .collect();
-    squares.sort_by(f64::total_cmp);
-    Ok(squares)
 }
