@@ -1,8 +1,8 @@
 //! Critical points of a path of equilibria, where its stability changes: located between two
 //! points of the path, told apart as limit and bifurcation points, and left along another branch.
 
+use super::continuation::{Continuation, mean};
 use super::newton::{Changes, norm};
-use super::path::{Continuation, mean};
 use super::{State, Structure};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;

@@ -4,6 +4,7 @@
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
+mod continuation;
 mod critical;
 mod eigen;
 mod matrix;
@@ -16,12 +17,13 @@ mod structure;
 mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
+pub use continuation::Continuation;
 pub use critical::{Critical, Criticality};
 pub use matrix::Matrix;
 pub use modes::{Mode, Modes};
 pub(crate) use newton::{Equations, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
-pub use path::{Continuation, Control, Path, PathPoint, PathReport, Target};
+pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use structure::{Rate, Structure};

@@ -35,7 +35,7 @@ const MODES: usize = 2;
 /// them. The beam must be slender enough for its bending modes to come first.
 ///
 /// # Errors
-/// Those of the scene; [`Error::NotPositive`] when mass or stiffness has no positive modes.
+/// Those of the scene and of [`Modes::vibration`].
 pub fn frequencies<E, F, X, const D: usize, const S: usize>(
     element: &E,
     formulation: &F,
