@@ -197,6 +197,45 @@ fn what_needs_pivoting_gets_it() {
     assert!(error < 1e-12, "{error}");
 }
 
+/// Five clamped arms meet in a hub that is pushed out of their plane: it does not turn, so that every
+/// arm is a guided cantilever. Solved by sparse blocks.
+#[test]
+fn a_star_of_beams_shares_its_load() {
+    let (radius, young, n) = (1e-3, 2e11, 40);
+    let steel = SaintVenantKirchhoff::isotropic(young, 0.0).unwrap();
+    let disk = Disk::new(radius).unwrap();
+    let beam = Beam::new(FullyParameterised, disk, Continuum::full(steel));
+    let mut scene = Scene::<f64, 3>::new();
+    let turn = 2.0 * std::f64::consts::PI / 5.0;
+    let arms: Vec<Placed> = (0..5)
+        .map(|k| {
+            let (sin, cos) = (turn * f64::from(k)).sin_cos();
+            let arm = beam.clone().straight([0.0; 3], [cos, sin, 0.0], n);
+            scene.add(arm).unwrap()
+        })
+        .collect();
+    for arm in &arms {
+        scene.clamp(arm.end()).unwrap();
+    }
+    for arm in &arms[1..] {
+        let hub = arms[0].start();
+        scene.join(hub, arm.start(), Joint::Rigid).unwrap();
+    }
+    // A thousandth of the radius: the arms must not feel that they are held at both ends.
+    let force = 1e-5;
+    scene.force(arms[0].start(), [0.0, 0.0, force]).unwrap();
+    let system = scene.assemble().unwrap();
+    assert!(Matrix::zero(system.unknowns(), true).stored().is_sparse());
+    let mut state = system.rest();
+    Statics::default().solve(&system, &mut state).unwrap();
+    let [x, y, z] = system.displacement(&state, arms[0].start()).unwrap();
+    let bending = young * std::f64::consts::PI * radius.powi(4) / 4.0;
+    // Each half of a guided cantilever loses a share 1 / n^2 to linear sections.
+    let expected = force / (5.0 * 12.0 * bending) * (1.0 - 1.0 / (n * n) as f64);
+    assert!((z / expected - 1.0).abs() < 2e-4, "{z} {expected}");
+    assert!(x.abs() < 1e-9 * z && y.abs() < 1e-9 * z);
+}
+
 /// The derivative of a solution by a stiffness, against `-A^-1 A' x`.
 #[test]
 fn sparse_solutions_carry_derivatives() {

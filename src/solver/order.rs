@@ -189,7 +189,14 @@ impl Graph {
         }
         let (mut starts, mut rows) = (vec![0], Vec::new());
         for g in &nodes {
-            rows.extend(self.neighbours[*g].iter().map(|n| place[*n] as isize));
+            // With the diagonal: the crate counts on at least one entry in a column.
+            let mut column: Vec<isize> = self.neighbours[*g]
+                .iter()
+                .map(|n| place[*n] as isize)
+                .collect();
+            column.push(place[*g] as isize);
+            column.sort_unstable();
+            rows.append(&mut column);
             starts.push(rows.len() as isize);
         }
         let control = amd::Control::default();
