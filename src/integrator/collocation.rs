@@ -7,10 +7,12 @@ mod tableau;
 
 use std::cell::RefCell;
 
-use super::{Method, Scheme, mean_squares, prepare, unconstrained};
+use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace};
+use crate::solver::{
+    Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace, unconstrained,
+};
 use stages::{Layout, Scratch, Stages};
 use tableau::{Points, Tableau, weighted};
 

@@ -14,11 +14,12 @@
 use std::cell::RefCell;
 
 use super::midpoint::Clock;
-use super::{Method, Scheme, impose_mean, prepare, unconstrained};
+use super::{Method, Scheme, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Refresh, Secant, Solved, State, Structure, Unknowns, Workspace,
+    Equations, Matrix, Newton, Rate, Refresh, Secant, Solved, State, Structure, Unknowns,
+    Workspace, unconstrained,
 };
 
 /// The energy-momentum method with optional dissipation that keeps the momenta: the stress

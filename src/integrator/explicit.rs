@@ -3,10 +3,10 @@
 //! holding the supports afterwards would leave an error that no time step removes. Its steps are
 //! bounded by the highest frequency, which is found by iteration and renewed as the motion goes on.
 
-use super::{Method, Scheme, mean_squares, prepare, unconstrained};
+use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
-use crate::solver::{Factor, Matrix, Rate, Solved, State, Structure, Workspace};
+use crate::solver::{Factor, Matrix, Rate, Solved, State, Structure, Workspace, unconstrained};
 
 /// The central difference method in its velocity form (Verlet), with the consistent mass: second
 /// order, symplectic, keeps momenta, stable for steps below `2 / omega` with `omega` the highest

@@ -1,10 +1,10 @@
 //! The implicit midpoint rule: forces half way through the step. It is symplectic and keeps
 //! quadratic invariants, linear and angular momentum among them, at any step.
 
-use super::{Method, Scheme, impose_mean, mean_squares, prepare, unconstrained};
+use super::{Method, Scheme, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace};
+use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace, unconstrained};
 
 /// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
 /// `u_{n+1} - u_n = dt (v_n + v_{n+1}) / 2`. Second order, no dissipation. The

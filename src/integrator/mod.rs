@@ -113,17 +113,6 @@ fn prepare<R: Real, S: Structure<R>>(structure: &S, state: &mut State<R>) -> Res
     Ok(workspace)
 }
 
-/// Refuses nonlinear constraints, for methods that know nothing of multipliers.
-fn unconstrained<R: Real, S: Structure<R>>(structure: &S, method: &str) -> Result<()> {
-    if structure.multipliers().is_empty() {
-        return Ok(());
-    }
-    Err(Error::Unsupported {
-        what: format!("nonlinear constraints in {method}"),
-        remedy: "use a method of Newmark's family, or joints that are linear",
-    })
-}
-
 /// Makes a guessed mean acceleration over a step that which brings the coordinates that are not
 /// solved for to the velocity they must have at its end.
 fn impose_mean<R: Real, S: Structure<R>>(

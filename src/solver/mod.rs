@@ -30,5 +30,6 @@ pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;
+pub(crate) use structure::unconstrained;
 pub use structure::{Rate, Secant, Structure};
 pub use unknowns::{Condition, Unknowns};

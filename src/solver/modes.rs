@@ -6,6 +6,7 @@ use super::band::Factor;
 use super::eigen::{Goal, Operator, Pair, dominant};
 use super::matrix::Matrix;
 use super::newton::norm;
+use super::structure::unconstrained;
 use super::{State, Structure};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
@@ -106,6 +107,7 @@ impl Modes {
         state: &State<R>,
         factor: R,
     ) -> Result<Vec<Mode<R>>> {
+        unconstrained(structure, "natural frequencies")?;
         let goal = self.goal(structure.unknowns().count())?;
         if !structure.has_mass() {
             return Err(Error::Unsupported {
@@ -169,6 +171,7 @@ impl Modes {
         state: &State<R>,
         factor: R,
     ) -> Result<Vec<Mode<R>>> {
+        unconstrained(structure, "linear buckling")?;
         let unknowns = structure.unknowns();
         let goal = self.goal(unknowns.count())?;
         let stiffness = tangent(structure, state, factor)?;

@@ -215,7 +215,11 @@ impl<R: Real> Workspace<R> {
         u: &[R],
     ) -> Result<Option<usize>> {
         match self.renew(structure, equations, u) {
-            Ok(()) => Ok(self.factor.inertia()),
+            // Every multiplier brings one that says nothing of stability.
+            Ok(()) => {
+                let held = structure.multipliers().len();
+                Ok(self.factor.inertia().and_then(|all| all.checked_sub(held)))
+            }
             Err(Error::Mechanism { .. }) => Ok(None),
             Err(error) => Err(error),
         }

@@ -183,3 +183,14 @@ pub trait Structure<R: Real> {
     /// Adds the gyroscopic forces `G v`, `G` skew; none by default.
     fn add_gyroscopic(&self, _v: &[R], _out: &mut [R]) {}
 }
+
+/// Refuses nonlinear constraints, for `what` knows nothing of multipliers.
+pub(crate) fn unconstrained<R: Real, S: Structure<R>>(structure: &S, what: &str) -> Result<()> {
+    if structure.multipliers().is_empty() {
+        return Ok(());
+    }
+    Err(Error::Unsupported {
+        what: format!("nonlinear constraints in {what}"),
+        remedy: "use linear joints, and in dynamics a method of Newmark's family",
+    })
+}
