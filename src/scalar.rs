@@ -9,6 +9,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_dual::{Derivative, Dual, DualNum, DualNumCopy, DualSVec, DualStruct, HyperDual};
 use num_traits::{Float, FloatConst, One, Zero};
+#[cfg(not(target_arch = "x86_64"))]
 use simba::simd::{WideF32x8, WideF64x4};
 
 mod jet;
@@ -295,11 +296,14 @@ macro_rules! float {
                 #[cfg(target_arch = "x86_64")]
                 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                     // SAFETY: the processor has the instructions.
-                    return match is_x86_feature_detected!("avx512f") {
+                    return match !W::HEAVY && is_x86_feature_detected!("avx512f") {
                         true => unsafe { x86::$wide(work) },
                         false => unsafe { x86::$run(work) },
                     };
                 }
+                #[cfg(target_arch = "x86_64")]
+                return work.run::<Self>();
+                #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }
         }
@@ -401,6 +405,7 @@ impl<R: Copy, T: Algebra<R> + DualNumCopy> Algebra<R> for HyperDual<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use simba::simd::WideF64x4;
 
     fn cube<R: Copy, T: Algebra<R>>(x: T, k: R) -> T {
         (x * x * x).times(k)

@@ -1,13 +1,11 @@
 //! Claims about sections given by their outline: moments by Green's theorem, rules by moment
 //! fitting, profiles, refusals.
 
-mod exact;
-
 use std::f64::consts::PI;
 
+use crate::exact::{pairs, ring};
 use ancf::prelude::*;
 use ancf::quadrature::{Cubature, disk_order, gauss_legendre_on};
-use exact::{pairs, ring};
 use num_dual::{Dual, Dual64, DualNum};
 use proptest::prelude::*;
 

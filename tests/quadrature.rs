@@ -1,15 +1,13 @@
 //! Claims about integration rules: the paper's table, exactness to the last digit, sharpness of
 //! the degree, positivity, isotropy, derivatives, refusals.
 
-mod exact;
-
+use crate::exact::{Exact, both_units, centred, pairs, ring, units};
 use ancf::quadrature::{
     Cubature, MAX_ORDER, annulus, disk_of_radius, disk_order, gauss_from_recurrence,
     gauss_legendre, gauss_legendre_on, gauss_radau, project,
 };
 use ancf::scalar::Real;
 use ancf::section::{Annulus, Disk, Rectangle, Section};
-use exact::{Exact, both_units, centred, pairs, ring, units};
 use num_dual::{Dual, Dual64};
 use proptest::prelude::*;
 

@@ -1,13 +1,11 @@
 //! Claims about cross-sections: closed forms, outlines, planar rules, derivatives, refusals.
 
-mod exact;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::exact::{pairs, ring, units};
 use ancf::quadrature::Cubature;
 use ancf::section::{Annulus, Disk, MAX_OUTLINE, Rectangle, Section};
-use exact::{pairs, ring, units};
 use num_dual::Dual64;
 use proptest::prelude::*;
 

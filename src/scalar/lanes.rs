@@ -1,7 +1,7 @@
 //! Lanes: several numbers of a real type that go through a kernel together, one element in each.
 //! [`Real::dispatch`](super::Real::dispatch) picks the widest registers that the processor at hand
-//! has, once per chain of elements and not per operation; simba's wide types are the lanes of every
-//! other processor, and a real number is a lane of its own.
+//! has, once per chain of elements and not per operation; simba's wide types are the lanes of other
+//! architectures, and a real number is a lane of its own.
 
 use num_traits::{One, Zero};
 use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
@@ -45,6 +45,10 @@ pub trait Lanes<R>: Algebra<R> {
 pub trait LaneWork<R> {
     /// What comes out.
     type Output;
+
+    /// Whether the work holds far more numbers than registers do, so that the widest bring nothing
+    /// over those of AVX2 but machine code.
+    const HEAVY: bool = false;
 
     /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), and so must what
     /// it calls, to be compiled for the registers that `L` stands for.

@@ -229,35 +229,6 @@ where
     }
 }
 
-/// Sum of the strain energies of a chain's elements.
-struct Energy<'a, C, R> {
-    chain: &'a C,
-    u: &'a [R],
-}
-
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Energy<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = R;
-
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> R {
-        let mut sum = [R::zero()];
-        self.chain.groups::<L>(
-            self.u,
-            #[inline(always)]
-            |elements, kernel, u| {
-                let energy = kernel.energy(u);
-                L::scatter(&[energy], elements.len(), &mut sum, |_| 0);
-            },
-        );
-        sum[0]
-    }
-}
-
 /// Adds the elastic forces of a chain's elements.
 struct Force<'a, C, R> {
     chain: &'a C,
@@ -304,6 +275,7 @@ where
     Kn: ElementKernel<R, D, S>,
 {
     type Output = Result<()>;
+    const HEAVY: bool = true;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> Result<()> {
@@ -363,7 +335,8 @@ where
     Kn: ElementKernel<R, D, S>,
 {
     fn energy(&self, u: &[R]) -> R {
-        self.run(Energy { chain: self, u })
+        let energy = |n| self.link(n).kernel.energy(&self.gather(n, u));
+        (0..self.starts.len()).map(energy).sum()
     }
 
     fn force(&self, u: &[R], q: &mut [R]) {

@@ -1,0 +1,27 @@
+//! Claims about beams and what solves them, one file per family of claims: a single program, so that
+//! kernels are compiled once for all of them.
+
+mod analytical;
+mod bad_input;
+mod constraints;
+mod derivatives;
+mod dynamics;
+mod elements;
+mod families;
+mod joints;
+mod lanes;
+mod modes;
+mod moments;
+mod newton;
+mod paper_problems;
+mod paths;
+mod precision;
+mod published;
+mod roll_up;
+mod sampling;
+mod sensitivity;
+mod statics;
+mod structural;
+mod topology;
+mod verify;
+mod welds;
