@@ -447,6 +447,10 @@ fn impossible_bodies_are_refused() {
     long[0][0] = 3.0;
     let error = add(&mut scene, RigidBody::new(1.0, long));
     assert!(error.to_string().contains("inertia"), "{error}");
+    // Every pair of axes admissible, but principal moments 3.8, 1.1 and 1.1.
+    let skew = [[2.0, 0.9, 0.9], [0.9, 2.0, 0.9], [0.9, 0.9, 2.0]];
+    let error = add(&mut scene, RigidBody::new(1.0, skew));
+    assert!(error.to_string().contains("inertia"), "{error}");
     let error = add(&mut scene, RigidBody::new(1.0, unit).at([f64::NAN; 3]));
     assert!(matches!(error, Error::NotFinite { .. }), "{error}");
     let body = scene.add_body(RigidBody::new(1.0, unit)).unwrap().start();

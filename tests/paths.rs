@@ -288,6 +288,13 @@ fn statics_reports_and_refuses_a_change_of_stability() {
         Error::StabilityChanged { before: 0, now: 1 }
     ));
     assert!((2.0 * reached / euler - 1.0).abs() < 1e-3, "{reached}");
+    let at_once = Statics {
+        hold_stability: true,
+        cutbacks: 3,
+        ..Statics::default()
+    };
+    let mut state = system.rest();
+    assert!(at_once.solve(&system, &mut state).is_err());
 }
 
 /// A thin rod rolled up to one and to three turns by an end moment meets the exact solution of its

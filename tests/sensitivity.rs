@@ -323,3 +323,56 @@ fn adaptive_runs_differentiate_too() {
         );
     }
 }
+
+/// What vanishes by value may have a derivative: the bending of an axially loaded bar by the offset
+/// of its section, and the way of a roller by its inclination, both at zero.
+#[test]
+fn derivatives_survive_where_values_vanish() {
+    let zero = Dual64::from_re(0.0);
+    let number = Dual64::from_re;
+    let build = || {
+        let material = SaintVenantKirchhoff::isotropic(number(1e9), zero).unwrap();
+        let square = Rectangle::new(number(0.02), number(0.02)).unwrap();
+        (material, square)
+    };
+    let lift = |e: Dual64| {
+        let (material, square) = build();
+        let section = Offset::new(square, [e, zero]).unwrap();
+        let mut scene = Scene::<Dual64, 3>::new();
+        let bar = Beam::new(FullyParameterised, section, Continuum::full(material));
+        let bar = bar.straight([zero; 3], [number(1.0), zero, zero], 2);
+        let bar = scene.add(bar).unwrap();
+        scene.clamp(bar.start()).unwrap();
+        scene.force(bar.end(), [number(10.0), zero, zero]).unwrap();
+        let system = scene.assemble().unwrap();
+        let mut state = system.rest();
+        Statics::default().solve(&system, &mut state).unwrap();
+        system.displacement(&state, bar.end()).unwrap()[1]
+    };
+    let roll = |angle: Dual64| {
+        let (material, square) = build();
+        let mut scene = Scene::<Dual64, 3>::new();
+        let bar = Beam::new(FullyParameterised, square, Continuum::full(material));
+        let bar = bar.straight([zero; 3], [number(1.0), zero, zero], 2);
+        let bar = scene.add(bar).unwrap();
+        scene.clamp(bar.start()).unwrap();
+        let along = |c, factor| (bar.end(), NodalVector::Position, c, factor);
+        let (sin, cos) = (Field::sin(angle), Field::cos(angle));
+        scene.constrain(&[along(1, cos), along(0, -sin)]).unwrap();
+        scene.force(bar.end(), [number(1e3), zero, zero]).unwrap();
+        let system = scene.assemble().unwrap();
+        let mut state = system.rest();
+        Statics::default().solve(&system, &mut state).unwrap();
+        system.displacement(&state, bar.end()).unwrap()[1]
+    };
+    for f in [&lift as &dyn Fn(Dual64) -> Dual64, &roll] {
+        let exact = f(Dual64::new(0.0, 1.0)).eps;
+        let step = 1e-4;
+        let difference = (f(number(step)).re - f(number(-step)).re) / (2.0 * step);
+        assert!(exact.abs() > 1e-6, "{exact}");
+        assert!(
+            (exact / difference - 1.0).abs() < 1e-4,
+            "{exact} {difference}"
+        );
+    }
+}

@@ -193,14 +193,29 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
     ) -> Result<Solved> {
         let count = self.tableau.at.len();
         let square = step * step;
-        for (i, twice) in self.tableau.twice.iter().enumerate() {
-            let share: R = twice.iter().copied().sum();
-            for k in 0..now.displacement.len() {
-                let x = share * now.acceleration[k];
-                let drift = step * self.tableau.at[i] * now.velocity[k] + square * x;
-                self.predicted[k * count + i] = x;
-                self.stages[k * count + i] = now.displacement[k] + drift;
+        // Accelerations of the guess: that of the start, or as given in time.
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            let Scratch { u, .. } = &mut self.scratch;
+            u.copy_from_slice(&now.acceleration);
+            structure.impose(now.time + step * *at, Rate::Acceleration, u)?;
+            self.scratch.put(&mut self.stages, i, count);
+        }
+        for k in 0..now.displacement.len() {
+            let own = k * count..(k + 1) * count;
+            let (a, x) = (&mut self.stages[own.clone()], &mut self.predicted[own]);
+            for (x, twice) in x.iter_mut().zip(&self.tableau.twice) {
+                *x = weighted(twice, a);
             }
+            for ((u, x), at) in a.iter_mut().zip(x).zip(&self.tableau.at) {
+                let drift = step * *at * now.velocity[k] + square * *x;
+                *u = now.displacement[k] + drift;
+            }
+        }
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            self.scratch.stage(&self.stages, i, count);
+            let time = now.time + step * *at;
+            structure.impose(time, Rate::Displacement, &mut self.scratch.u)?;
+            self.scratch.put(&mut self.stages, i, count);
         }
         // The mass term of a kept tangent belongs to one step size only.
         if self.step != Some(step) {
@@ -208,19 +223,6 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
             self.step = Some(step);
         }
         let rate = R::one() / square;
-        for (i, at) in self.tableau.at.iter().enumerate() {
-            self.scratch.stage(&self.stages, i, count);
-            let time = now.time + step * *at;
-            structure.impose(time, Rate::Displacement, &mut self.scratch.u)?;
-            for (k, u) in self.scratch.u.iter().enumerate() {
-                // Nothing but what had to change, so that rounding is not divided by the step.
-                let change = *u - self.stages[k * count + i];
-                if !change.is_zero() {
-                    self.predicted[k * count + i] += change * rate;
-                }
-            }
-            self.scratch.put(&mut self.stages, i, count);
-        }
         let equations = Equations {
             time: now.time,
             factor: R::one(),
@@ -264,6 +266,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         if self.settings.points == Points::Gauss {
             self.outer.accelerate(structure, next)?;
         }
+        next.work += self.outer.driven_work(structure, now, next)?;
         Ok(solved)
     }
 
@@ -271,7 +274,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         let step = self.step.unwrap_or(R::zero());
         let count = self.tableau.at.len();
         let [start, stages] = [&self.tableau.estimate[..1], &self.tableau.estimate[1..]];
-        mean_squares(structure.measure(), &next.displacement, |k| {
+        mean_squares(structure, &next.displacement, |k| {
             let own = &self.stages[k * count..(k + 1) * count];
             step * step * (start[0] * now.acceleration[k] + weighted(stages, own))
         })

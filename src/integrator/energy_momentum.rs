@@ -18,7 +18,7 @@ use super::{Method, Scheme, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Refresh, Secant, Solved, State, Structure, Unknowns,
+    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Unknowns,
     Workspace, unconstrained,
 };
 
@@ -304,13 +304,18 @@ impl<R: Real> Method<R> for EnergyMomentumMethod<R> {
         for (i, middle) in self.middle.iter_mut().enumerate() {
             *middle = R::lit(0.5) * (now.displacement[i] + next.displacement[i]);
         }
-        let middle = [(R::one(), now.time + half, &self.middle[..])];
+        let middle = [Sample {
+            weight: R::one(),
+            time: now.time + half,
+            displacement: &self.middle,
+            acceleration: &next.acceleration,
+        }];
         next.work = now.work + self.workspace.work(structure, &middle, now, next)?;
         Ok(solved)
     }
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
-        self.clock.error(structure.measure(), now, next)
+        self.clock.error(structure, now, next)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

@@ -6,7 +6,9 @@
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
-use crate::solver::{Factor, Matrix, Rate, Solved, State, Structure, Workspace, unconstrained};
+use crate::solver::{
+    Factor, Matrix, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
+};
 
 /// The central difference method in its velocity form (Verlet), with the consistent mass: second
 /// order, symplectic, keeps momenta, stable for steps below `2 / omega` with `omega` the highest
@@ -175,15 +177,14 @@ impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         structure.check(&next.displacement)?;
-        let half = R::lit(0.5);
-        let ends = [now, &*next].map(|state| (half, state.time, &state.displacement[..]));
+        let ends = Sample::ends(now, next);
         next.work = now.work + self.workspace.work(structure, &ends, now, next)?;
         Ok(Solved::default())
     }
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         let share = self.step * self.step / R::lit(6.0);
-        mean_squares(structure.measure(), &next.displacement, |i| {
+        mean_squares(structure, &next.displacement, |i| {
             share * (next.acceleration[i] - now.acceleration[i])
         })
     }

@@ -4,7 +4,9 @@
 use super::{Method, Scheme, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace, unconstrained};
+use crate::solver::{
+    Equations, Newton, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
+};
 
 /// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
 /// `u_{n+1} - u_n = dt (v_n + v_{n+1}) / 2`. Second order, no dissipation. The
@@ -76,12 +78,17 @@ impl<R: Real> Clock<R> {
 
     /// The local error `dt^3 jerk / 12` from the change of the mean acceleration between steps, and
     /// the size of the displacements.
-    pub(super) fn error(&self, measure: &[R], now: &State<R>, next: &State<R>) -> (R, R) {
+    pub(super) fn error<S: Structure<R>>(
+        &self,
+        structure: &S,
+        now: &State<R>,
+        next: &State<R>,
+    ) -> (R, R) {
         let step = self.step.unwrap_or(R::zero());
         // The first acceleration is that of the start, not a mean.
         let apart = (step + self.taken.unwrap_or(R::zero())) * R::lit(0.5);
         let cube = step * step * step / (R::lit(12.0) * apart);
-        mean_squares(measure, &next.displacement, |i| {
+        mean_squares(structure, &next.displacement, |i| {
             cube * (next.acceleration[i] - now.acceleration[i])
         })
     }
@@ -130,13 +137,18 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
         }
         structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
-        let middle = [(R::one(), halfway, &self.middle[..])];
+        let middle = [Sample {
+            weight: R::one(),
+            time: halfway,
+            displacement: &self.middle,
+            acceleration: &next.acceleration,
+        }];
         next.work = now.work + self.workspace.work(structure, &middle, now, next)?;
         Ok(solved)
     }
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
-        self.clock.error(structure.measure(), now, next)
+        self.clock.error(structure, now, next)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

@@ -129,23 +129,28 @@ fn impose_mean<R: Real, S: Structure<R>>(
     for i in 0..mean.len() {
         // Nothing but what had to change, so that rounding is not divided by the step.
         let change = scratch[i] - (now.velocity[i] + step * mean[i]);
-        if !change.is_zero() {
+        if R::ORDER > 0 || !change.is_zero() {
             mean[i] += change / step;
         }
     }
     Ok(())
 }
 
-/// Root-mean-squares, over the coordinates in their natural sizes, of a local error and of the
+/// Root-mean-squares, over the coordinates in their natural sizes (multipliers are none), of a local error and of the
 /// displacements.
-fn mean_squares<R: Real>(measure: &[R], u: &[R], local: impl Fn(usize) -> R) -> (R, R) {
+fn mean_squares<R: Real, S: Structure<R>>(
+    structure: &S,
+    u: &[R],
+    local: impl Fn(usize) -> R,
+) -> (R, R) {
+    let (measure, multipliers) = (structure.measure(), structure.multipliers());
     let (mut error, mut size) = (R::zero(), R::zero());
-    for i in 0..measure.len() {
+    for i in (0..measure.len()).filter(|i| !multipliers.contains(i)) {
         let local = local(i) / measure[i];
         error += local * local;
         let moved = u[i] / measure[i];
         size += moved * moved;
     }
-    let mean = |square: R| norm(square / R::lit(measure.len() as f64));
+    let mean = |square: R| norm(square / R::lit((measure.len() - multipliers.len()) as f64));
     (mean(error), mean(size))
 }

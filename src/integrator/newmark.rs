@@ -6,7 +6,7 @@
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Solved, State, Structure, Workspace};
+use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Workspace};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -227,8 +227,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         self.workspace.settle(structure, next)?;
-        let half = R::lit(0.5);
-        let ends = [now, &*next].map(|state| (half, state.time, &state.displacement[..]));
+        let ends = Sample::ends(now, next);
         next.work = now.work + self.workspace.work(structure, &ends, now, next)?;
         Ok(solved)
     }
@@ -242,7 +241,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let beta = R::lit(self.settings.beta - 0.5 * lag);
         let cube = step * step * step / R::lit(24.0);
         let weight = |factor: f64| R::lit(12.0) * beta - R::lit(factor);
-        mean_squares(structure.measure(), &next.displacement, |i| {
+        mean_squares(structure, &next.displacement, |i| {
             let jerk = (next.acceleration[i] - now.acceleration[i]) / step;
             let (first, last) = match (self.settings.estimator, self.step_before) {
                 (Estimator::LiZengWiberg, Some(step_before)) => {

@@ -278,7 +278,11 @@ impl<R: Real, const D: usize> Scene<R, D> {
                 (b, start_b, shares[1], -R::one()),
             ] {
                 let places = joint::slopes::<D>(body.vectors());
-                for axis in (0..D).filter(|axis| share[*axis].abs() > small) {
+                // A share that vanishes may have a derivative that does not.
+                let counts = |axis: &usize| {
+                    share[*axis].abs() > small || (R::ORDER > 0 && places[*axis].is_some())
+                };
+                for axis in (0..D).filter(counts) {
                     let Some(place) = places[axis] else {
                         return Err(Error::Unsupported {
                             what: format!(

@@ -1,6 +1,8 @@
 //! Rigid bodies and point masses in natural coordinates: position and slopes, as in a node of a
-//! beam, so that every joint, load and motion takes them as they are. The mass matrix is constant,
-//! and rigidity is a nonlinear constraint like any other (Garcia de Jalon and Bayo 1994).
+//! beam, so that joints to beams, loads and motions take them as they are. The mass matrix is
+//! constant, and rigidity is a nonlinear constraint like any other (Garcia de Jalon and Bayo 1994):
+//! what fixes a body's slopes besides (a hinge or weld of two bodies, a clamp) says twice that they
+//! keep their length, and is refused as redundant. Bodies take spherical joints with each other.
 
 use std::ops::Range;
 
@@ -117,6 +119,16 @@ impl<R: Real, const D: usize> RigidBody<R, D> {
                 }
             }
             if second[a][a] < R::zero() {
+                return Err(refused(inertia));
+            }
+        }
+        if D == 3 {
+            let minor =
+                |a: usize, b: usize| second[1][a] * second[2][b] - second[1][b] * second[2][a];
+            let volume = second[0][0] * minor(1, 2) - second[0][1] * minor(0, 2)
+                + second[0][2] * minor(0, 1);
+            let size: R = (0..D).map(|a| second[a][a]).sum();
+            if volume < -size * size * size * R::lit(64.0 * R::EPSILON) {
                 return Err(refused(inertia));
             }
         }

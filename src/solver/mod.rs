@@ -24,7 +24,7 @@ pub use continuation::Continuation;
 pub use critical::{Critical, Criticality};
 pub use matrix::Matrix;
 pub use modes::{Mode, Modes};
-pub(crate) use newton::{Equations, Workspace, norm};
+pub(crate) use newton::{Equations, Sample, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
 pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;

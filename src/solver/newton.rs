@@ -110,6 +110,26 @@ pub(crate) struct Changes<'a, R> {
 /// Chooses the next change of the load factor; none when there is none.
 pub(crate) type Choice<'a, R> = dyn FnMut(&Changes<'_, R>) -> Option<R> + 'a;
 
+/// Where forces are taken along a step, with their weight in its mean.
+pub(crate) struct Sample<'a, R> {
+    pub(crate) weight: R,
+    pub(crate) time: R,
+    pub(crate) displacement: &'a [R],
+    pub(crate) acceleration: &'a [R],
+}
+
+impl<'a, R: Real> Sample<'a, R> {
+    /// The two ends of a step, with half the weight each.
+    pub(crate) fn ends(now: &'a State<R>, next: &'a State<R>) -> [Self; 2] {
+        [now, next].map(|state| Self {
+            weight: R::lit(0.5),
+            time: state.time,
+            displacement: &state.displacement,
+            acceleration: &state.acceleration,
+        })
+    }
+}
+
 /// Vectors and matrices of Newton's method, allocated once.
 #[derive(Debug)]
 pub(crate) struct Workspace<R> {
@@ -433,41 +453,55 @@ impl<R: Real> Workspace<R> {
 
     /// Work over a step, by the trapezoidal rule, of what moves coordinates in time: the reactions'
     /// own, since those of resting supports and joints do none.
-    fn driven_work<S: Structure<R> + ?Sized>(
+    pub(crate) fn driven_work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
+        now: &State<R>,
+        next: &State<R>,
+    ) -> Result<R> {
+        self.driven_work_by(structure, &Sample::ends(now, next), now, next)
+    }
+
+    fn driven_work_by<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        samples: &[Sample<'_, R>],
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
         let mut work = R::zero();
         if structure.is_driven() {
-            for state in [now, next] {
+            for sample in samples {
+                let (u, a) = (sample.displacement, sample.acceleration);
                 self.internal.fill(R::zero());
-                Self::add_reactions(structure, state, &mut self.internal)?;
+                structure.add_internal(u, &mut self.internal);
+                structure.add_mass_times(R::one(), a, &mut self.internal);
+                structure.add_external(sample.time, -R::one(), u, &mut self.internal)?;
                 let moved = next.displacement.iter().zip(&now.displacement);
                 let forces = self.internal.iter().zip(moved);
-                work += forces.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>() * R::lit(0.5);
+                work += forces.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>() * sample.weight;
             }
         }
         Ok(work)
     }
 
-    /// Work over a step of the applied forces, their mean over `samples` (weight, time, state)
-    /// along the way from the state `now` to `next`, and of given motions.
+    /// Work over a step of the applied forces, their mean over `samples` along the way from the
+    /// state `now` to `next`, and of given motions.
     pub(crate) fn work<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
-        samples: &[(R, R, &[R])],
+        samples: &[Sample<'_, R>],
         now: &State<R>,
         next: &State<R>,
     ) -> Result<R> {
-        let driven = self.driven_work(structure, now, next)?;
+        let driven = self.driven_work_by(structure, samples, now, next)?;
         if !structure.has_applied() {
             return Ok(driven);
         }
         self.external.fill(R::zero());
-        for (weight, time, u) in samples {
-            structure.add_applied(*time, *weight, u, &mut self.external)?;
+        for sample in samples {
+            let (time, u) = (sample.time, sample.displacement);
+            structure.add_applied(time, sample.weight, u, &mut self.external)?;
         }
         let moved = next.displacement.iter().zip(&now.displacement);
         let work = self.external.iter().zip(moved);
@@ -641,10 +675,14 @@ impl<R: Real> Workspace<R> {
     fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> R {
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
-        for (((u, moved), du), measure) in corrected.zip(structure.measure()) {
+        let multipliers = structure.multipliers();
+        for (i, (((u, moved), du), measure)) in corrected.zip(structure.measure()).enumerate() {
             *u += *du;
             *moved += *du;
-            largest = largest.larger((*du / *measure).abs());
+            // Multipliers have no natural size; the residual tells about them.
+            if !multipliers.contains(&i) {
+                largest = largest.larger((*du / *measure).abs());
+            }
         }
         largest
     }

@@ -67,7 +67,7 @@ impl Statics {
     }
 
     /// Finds the equilibrium under the full load, starting from the state given, whatever it
-    /// carries.
+    /// carries. Accelerations become zero; velocities are left for a motion to start from.
     ///
     /// # Errors
     /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
@@ -103,6 +103,15 @@ impl Statics {
         structure.add_internal(&u, &mut initial);
         structure.add_holding(state.time, &u, &mut initial);
         let bound = Bound::new(structure, state)?;
+        if self.hold_stability {
+            let start = Equations {
+                time: state.time,
+                factor: R::zero(),
+                initial: Some(&initial),
+                inertia: None,
+            };
+            report.unstable = workspace.unstable(structure, &start, &u)?;
+        }
         while reached < R::one() {
             let mut factor = (reached + step).smaller(R::one());
             // Do not leave a sliver for the last step.
@@ -172,6 +181,8 @@ impl Statics {
                 }
             }
         }
+        // What has come to rest has no acceleration.
+        state.acceleration.fill(R::zero());
         if !self.hold_stability {
             let equations = Equations {
                 time: state.time,

@@ -353,14 +353,16 @@ fn eliminate<R: Real>(
         }
         // What elimination leaves of equal terms is rounding.
         let noise = largest * R::lit(64.0 * R::EPSILON);
-        row.retain(|_, a| a.abs() > noise);
-        let bound = row.iter().filter(|(i, _)| **i < size);
+        let counts = |a: &R| a.abs() > noise;
+        // A coefficient that vanishes may have a derivative that does not.
+        row.retain(|_, a| R::ORDER > 0 || counts(a));
+        let bound = row.iter().filter(|(i, a)| **i < size && counts(a));
         let pivot = bound.max_by(|(i, a), (j, b)| {
             let order = a.abs().partial_cmp(&b.abs());
             order.unwrap_or(std::cmp::Ordering::Equal).then(i.cmp(j))
         });
         let Some((&pivot, &coefficient)) = pivot else {
-            if row.is_empty() {
+            if !row.values().any(counts) {
                 continue;
             }
             return Err(Error::Contradiction {
