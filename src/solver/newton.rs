@@ -301,8 +301,10 @@ impl<R: Real> Workspace<R> {
             if !fell_to(1.0) {
                 rises += 1;
             }
-            // Only a solve that gets nowhere pays for this bound.
-            if !at_floor && rises >= RISES && corrected_by(settings.correction) {
+            // Only a solve that gets nowhere pays for this bound. Along a path a state accepted so
+            // may lie on another branch: there a shorter step is tried.
+            let stuck = choice.is_none() && rises >= RISES;
+            if !at_floor && stuck && corrected_by(settings.correction) {
                 self.tangent.clear();
                 structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
                 at_floor = balance.residual <= self.rounding(structure, structure.measure())?;
