@@ -14,7 +14,7 @@
 use std::cell::RefCell;
 
 use super::midpoint::Clock;
-use super::{Method, Scheme, impose_mean, prepare};
+use super::{Method, Scheme, end_by_mean, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
@@ -292,15 +292,8 @@ impl<R: Real> Method<R> for EnergyMomentumMethod<R> {
         let solved = solved?;
         next.time = now.time + step;
         let rate = R::one() / (half * step);
-        for (i, moved) in self.workspace.moved().iter().enumerate() {
-            let a = self.guess[i] + rate * *moved;
-            let drift = step * (now.velocity[i] + half * a);
-            next.acceleration[i] = a;
-            next.velocity[i] = now.velocity[i] + step * a;
-            next.displacement[i] = now.displacement[i] + drift;
-        }
-        structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
-        structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        let corrected = (&self.guess[..], rate, self.workspace.moved());
+        end_by_mean(structure, corrected, now, next, step)?;
         for (i, middle) in self.middle.iter_mut().enumerate() {
             *middle = R::lit(0.5) * (now.displacement[i] + next.displacement[i]);
         }

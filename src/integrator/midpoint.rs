@@ -1,7 +1,7 @@
 //! The implicit midpoint rule: forces half way through the step. It is symplectic and keeps
 //! quadratic invariants, linear and angular momentum among them, at any step.
 
-use super::{Method, Scheme, impose_mean, mean_squares, prepare};
+use super::{Method, Scheme, end_by_mean, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
 use crate::solver::{
@@ -128,15 +128,8 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
         let solved = self
             .workspace
             .solve(structure, &self.newton, &equations, &mut self.middle)?;
-        for (i, moved) in self.workspace.moved().iter().enumerate() {
-            let a = self.mean[i] + rate * *moved;
-            let drift = step * (now.velocity[i] + half * a);
-            next.acceleration[i] = a;
-            next.velocity[i] = now.velocity[i] + step * a;
-            next.displacement[i] = now.displacement[i] + drift;
-        }
-        structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
-        structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        let corrected = (&self.mean[..], rate, self.workspace.moved());
+        end_by_mean(structure, corrected, now, next, step)?;
         let middle = [Sample {
             weight: R::one(),
             time: halfway,

@@ -136,6 +136,27 @@ fn impose_mean<R: Real, S: Structure<R>>(
     Ok(())
 }
 
+/// Makes the end of a step, `next.time` its time, from the mean acceleration over it: that guessed
+/// and `rate` times what Newton's method corrected. The acceleration left is the mean.
+fn end_by_mean<R: Real, S: Structure<R>>(
+    structure: &S,
+    (guess, rate, moved): (&[R], R, &[R]),
+    now: &State<R>,
+    next: &mut State<R>,
+    step: R,
+) -> Result<()> {
+    let half = step * R::lit(0.5);
+    for (i, moved) in moved.iter().enumerate() {
+        let a = guess[i] + rate * *moved;
+        let drift = step * (now.velocity[i] + half * a);
+        next.acceleration[i] = a;
+        next.velocity[i] = now.velocity[i] + step * a;
+        next.displacement[i] = now.displacement[i] + drift;
+    }
+    structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
+    structure.impose(next.time, Rate::Velocity, &mut next.velocity)
+}
+
 /// Root-mean-squares, over the coordinates in their natural sizes (multipliers are none), of a local error and of the
 /// displacements.
 fn mean_squares<R: Real, S: Structure<R>>(
