@@ -145,7 +145,7 @@ impl<R: Real> Factor<R> {
         self.profile.check_same(matrix.profile())?;
         if matrix.is_symmetric()
             && let Some(ldlt) = &mut self.ldlt
-            && ldlt.factor(&self.profile, matrix)?
+            && ldlt.factor(matrix)?
         {
             self.held = Held::Ldlt;
             return Ok(());
@@ -163,7 +163,7 @@ impl<R: Real> Factor<R> {
     /// matrix has been factorised.
     pub fn solve(&mut self, x: &mut [R]) -> Result<()> {
         Error::check_length("right-hand side", x.len(), self.profile.size())?;
-        match (self.held, &self.ldlt, &self.sparse, &mut self.lu) {
+        match (self.held, &mut self.ldlt, &self.sparse, &mut self.lu) {
             (Held::Ldlt, Some(ldlt), ..) => ldlt.solve(&self.profile, x),
             (Held::Sparse, _, Some(sparse), _) => sparse.solve(x),
             (Held::Lu, .., Some(lu)) => lu.solve(&self.profile, x),

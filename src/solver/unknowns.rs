@@ -293,6 +293,15 @@ impl<R: Real> Unknowns<R> {
         }
     }
 
+    /// The unknowns in a row, at most `n`, that the coordinates from `offset` on begin with.
+    #[inline]
+    pub(super) fn stretch(&self, offset: usize, n: usize) -> Option<Range<usize>> {
+        match self.tables.places[offset] {
+            Place::Unknown(first) => Some(first..first + n.min(self.tables.runs[offset])),
+            Place::Follower(_) => None,
+        }
+    }
+
     /// The first unknown of `n` coordinates from `offset` on, if they are unknowns in a row.
     #[inline]
     pub(super) fn run(&self, offset: usize, n: usize) -> Option<usize> {

@@ -116,7 +116,7 @@ impl<R: Real> Lu<R> {
             let target = self.index(i, start);
             self.rows[target..target + row.len()].copy_from_slice(row);
             if matrix.is_symmetric() {
-                for (j, entry) in (start..i).zip(row) {
+                for (j, entry) in (start..).zip(row).skip(1) {
                     let mirrored = self.index(j, i);
                     self.rows[mirrored] = *entry;
                 }
