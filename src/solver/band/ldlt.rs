@@ -5,6 +5,7 @@
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
+use crate::solver::Tape;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
@@ -49,6 +50,12 @@ impl<R: Real> Ldlt<R> {
 
     pub(super) fn negative(&self) -> usize {
         self.negative
+    }
+
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.count(&mut self.negative)?;
+        tape.numbers(&mut self.rows)?;
+        tape.numbers(&mut self.inverse)
     }
 
     #[inline(always)]
