@@ -14,21 +14,16 @@ const KEPT: &str = "target/resume.json";
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
     let mut scene = Scene::<f64, 3>::new();
-    let rod = Beam::new(
-        FullyParameterised,
-        Disk::new(0.01)?,
-        Continuum::full(rubber),
-    );
+    let (disk, solid) = (Disk::new(0.01)?, Continuum::full(rubber));
+    let rod = Beam::new(FullyParameterised, disk, solid);
     let rod = scene.add(rod.straight([0.0; 3], [1.0, 0.0, 0.0], 6).density(7200.0))?;
     scene.pin(rod.start())?;
     scene.gravity([0.0, -9.81, 0.0])?;
     let system = scene.assemble()?;
 
     let scheme = EnergyMomentum::dissipating(1e-3);
-    let stepping = Stepping::Halved {
-        step: 1e-3,
-        halvings: 10,
-    };
+    let (step, halvings) = (1e-3, 10);
+    let stepping = Stepping::Halved { step, halvings };
     let (mut run, rows) = match std::env::args().any(|arg| arg == "--resume") {
         true => {
             let (kept, rows) = serde_json::from_str(&read_to_string(KEPT)?)?;
@@ -37,10 +32,8 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
         false => (Integration::start(&system, system.rest(), &scheme)?, 0),
     };
     // Rows behind the last checkpoint are cut off: they will be written again.
-    let mut csv = OpenOptions::new()
-        .append(true)
-        .create(true)
-        .open("target/resume.csv")?;
+    let mut csv = OpenOptions::new();
+    let mut csv = csv.append(true).create(true).open("target/resume.csv")?;
     csv.set_len(rows)?;
     ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed))?;
     let bar = indicatif::ProgressBar::new(1000);
