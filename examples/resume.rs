@@ -53,7 +53,8 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
         write("target/resume.new", serde_json::to_string(&kept)?)?;
         rename("target/resume.new", KEPT)?;
         if ending? == Ending::End || STOP.load(Ordering::Relaxed) {
-            return Ok(println!("{} s: {:?}", run.state().time, run.report()));
+            println!("{} s: {:?}", run.state().time, run.report());
+            return Ok(());
         }
     }
 }
