@@ -222,6 +222,28 @@ pub enum Error {
         /// Shortest step allowed (s).
         shortest: f64,
     },
+    /// The local error of a step is larger than allowed.
+    #[error(
+        "the local error of the step is {error:.2e} of the motion, above the tolerance of {tolerance:.2e}: a shorter step is tried"
+    )]
+    Inaccurate {
+        /// Local error over the size of the motion.
+        error: f64,
+        /// The error allowed.
+        tolerance: f64,
+    },
+    /// A checkpoint does not belong to the run that is to be resumed.
+    #[error(
+        "the checkpoint is of another {what}: {given}, not {needed}; resume with what it was taken from, or start a new run from Checkpoint::state"
+    )]
+    ForeignCheckpoint {
+        /// What differs.
+        what: &'static str,
+        /// As the checkpoint has it.
+        given: String,
+        /// As the run has it.
+        needed: String,
+    },
     /// A step of an explicit method lies beyond its limit of stability.
     #[error(
         "the time step of {step:e} s lies beyond the stability limit of {limit:e} s: take Stepping::Stable, or an implicit method"

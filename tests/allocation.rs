@@ -143,7 +143,7 @@ fn quiet<M: Scheme<f64> + std::fmt::Debug>(
         run.until(1e-2, stepping, |_| {}).unwrap();
         let clock = |state: &State<f64>| state.time - 0.0123;
         let met = run.until_event(2e-2, stepping, Crossing::Rising, clock, |_| {});
-        assert!(met.unwrap());
+        assert_eq!(met, Ok(Ending::Event));
     });
     assert_eq!(count, 0, "{scheme:?}");
 }

@@ -11,7 +11,7 @@ use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace, unconstrained,
+    Equations, Matrix, Newton, Rate, Solved, State, Structure, Tape, Workspace, unconstrained,
 };
 use stages::{Layout, Scratch, Stages};
 use tableau::{Points, Tableau, weighted};
@@ -278,6 +278,11 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
             let own = &self.stages[k * count..(k + 1) * count];
             step * step * (start[0] * now.acceleration[k] + weighted(stages, own))
         })
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.step)?;
+        self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {}

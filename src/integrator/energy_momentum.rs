@@ -18,8 +18,8 @@ use super::{Method, Scheme, end_by_mean, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Unknowns,
-    Workspace, unconstrained,
+    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Tape,
+    Unknowns, Workspace, unconstrained,
 };
 
 /// The energy-momentum method with optional dissipation that keeps the momenta: the stress
@@ -309,6 +309,11 @@ impl<R: Real> Method<R> for EnergyMomentumMethod<R> {
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         self.clock.error(structure, now, next)
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        self.clock.history(tape)?;
+        self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

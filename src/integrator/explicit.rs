@@ -7,7 +7,7 @@ use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 use crate::solver::{
-    Factor, Matrix, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
+    Factor, Matrix, Rate, Sample, Solved, State, Structure, Tape, Workspace, unconstrained,
 };
 
 /// The central difference method in its velocity form (Verlet), with the consistent mass: second
@@ -187,6 +187,12 @@ impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
         mean_squares(structure, &next.displacement, |i| {
             share * (next.acceleration[i] - now.acceleration[i])
         })
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.limit)?;
+        tape.count(&mut self.age)?;
+        tape.numbers(&mut self.mode)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

@@ -5,7 +5,7 @@ use super::{Method, Scheme, end_by_mean, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Newton, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
+    Equations, Newton, Rate, Sample, Solved, State, Structure, Tape, Workspace, unconstrained,
 };
 
 /// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
@@ -70,6 +70,11 @@ impl<R: Real> Clock<R> {
         let differs = self.step != Some(step);
         self.step = Some(step);
         differs
+    }
+
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.step)?;
+        tape.option(&mut self.taken)
     }
 
     pub(super) fn accept(&mut self) {
@@ -142,6 +147,11 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         self.clock.error(structure, now, next)
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        self.clock.history(tape)?;
+        self.workspace.history(self.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

@@ -11,34 +11,36 @@
 //! | [`Collocation::gauss`], [`Collocation::radau`] | 3 to 6 | accuracy; Radau's dissipates what it does not resolve |
 //! | [`CentralDifference`] | 2 | explicit: impacts and waves, steps below the stability limit |
 
+mod checkpoint;
 mod collocation;
 mod driver;
 mod energy_momentum;
-
 mod event;
 mod explicit;
 mod midpoint;
 mod newmark;
 mod observe;
+mod pace;
 mod stepping;
 
+pub use checkpoint::Checkpoint;
 pub use collocation::{Collocation, CollocationMethod};
 pub use driver::{Integration, RunReport};
 pub use energy_momentum::{EnergyMomentum, EnergyMomentumMethod};
-
 pub use event::Crossing;
 pub use explicit::{CentralDifference, CentralDifferenceMethod};
 pub use midpoint::{Midpoint, MidpointMethod};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
-pub use observe::{Observation, Step};
+pub use observe::{Ending, Log, Observation, Refusal, Silent, Step};
 pub use stepping::{Adaptive, Stepping};
 
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Rate, Solved, State, Structure, Workspace, norm};
+use crate::solver::{Rate, Solved, State, Structure, Tape, Workspace, norm};
 
-/// A time integration scheme: settings from which a run makes the [`Method`] at work.
-pub trait Scheme<R: Real> {
+/// A time integration scheme: settings from which a run makes the [`Method`] at work. Its `Debug`
+/// text names all of them: by it a [`Checkpoint`] knows the scheme it was taken from.
+pub trait Scheme<R: Real>: std::fmt::Debug {
     /// The scheme at work on a structure.
     type Method: Method<R>;
 
@@ -90,6 +92,13 @@ pub trait Method<R: Real> {
     /// Local error of the displacements of the step just made and the size of the displacements,
     /// both root-mean-squares over the coordinates in their natural sizes.
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R);
+
+    /// Shows the tape all that the next step depends on beside the state, so that a run can be
+    /// saved and resumed: each number once, always in the same order.
+    ///
+    /// # Errors
+    /// Those of the tape.
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()>;
 
     /// Tells the method that the step was taken: history moves on.
     fn accept(&mut self, now: &State<R>, next: &State<R>);

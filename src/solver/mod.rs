@@ -17,6 +17,7 @@ mod state;
 mod statics;
 mod stored;
 mod structure;
+mod tape;
 mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
@@ -32,4 +33,5 @@ pub use statics::{StaticReport, Statics};
 pub use stored::Stored;
 pub(crate) use structure::unconstrained;
 pub use structure::{Rate, Secant, Structure};
+pub use tape::{Record, Tape};
 pub use unknowns::{Condition, Unknowns};

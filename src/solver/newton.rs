@@ -6,7 +6,7 @@
 use super::band::Factor;
 use super::matrix::Matrix;
 use super::unknowns::Unknowns;
-use super::{Rate, State, Structure};
+use super::{Rate, State, Structure, Tape};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 
@@ -215,6 +215,21 @@ impl<R: Real> Workspace<R> {
     /// Says that the next solve starts from the state of the last factorisation.
     pub(crate) fn stay(&mut self) {
         self.current = self.factored;
+    }
+
+    /// The tangent that the next solve starts with, to a tape or from it, where it is kept from
+    /// solve to solve.
+    pub(crate) fn history(&mut self, refresh: Refresh, tape: &mut Tape<R>) -> Result<()> {
+        let kept = matches!(refresh, Refresh::WhenSlow | Refresh::Never);
+        let mut factored = kept && self.factored;
+        tape.flag(&mut factored)?;
+        if factored {
+            tape.number(&mut self.floor)?;
+            self.factor.history(tape)?;
+            self.factored = true;
+            self.held_mass = None;
+        }
+        Ok(())
     }
 
     /// Whether there are factors of a tangent.

@@ -5,6 +5,7 @@
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
 use crate::scalar::{LaneWork, Lanes, Real};
+use crate::solver::Tape;
 use crate::tensor::array;
 
 /// Pivots eliminated together.
@@ -24,6 +25,7 @@ pub(super) struct Ldlt<R> {
     /// them: registers reach beyond the end of a column.
     columns: Vec<R>,
     stride: usize,
+    half: usize,
     /// How many unknowns are eliminated together with each one: their reach is the same, so that
     /// they share their rows.
     counts: Vec<usize>,
@@ -73,12 +75,13 @@ fn counts(reach: &[usize]) -> Vec<usize> {
 
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
-        let size = profile.size();
+        let (size, half) = (profile.size(), profile.half_bandwidth());
         let beyond = R::dispatch(Width) - 1;
-        let stride = profile.half_bandwidth() + 1 + beyond;
+        let stride = half + 1 + beyond;
         Self {
             columns: vec![R::zero(); size * stride],
             stride,
+            half,
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
             panel: vec![R::zero(); PANEL * stride],
@@ -90,6 +93,15 @@ impl<R: Real> Ldlt<R> {
 
     pub(super) fn negative(&self) -> usize {
         self.negative
+    }
+
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.count(&mut self.negative)?;
+        // What lies behind a column depends on the processor.
+        for column in self.columns.chunks_exact_mut(self.stride) {
+            tape.numbers(&mut column[..=self.half])?;
+        }
+        tape.numbers(&mut self.inverse)
     }
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting.
