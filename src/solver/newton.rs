@@ -5,6 +5,7 @@
 
 use super::band::Factor;
 use super::matrix::Matrix;
+use super::structure::{add_projection, held};
 use super::unknowns::Unknowns;
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result};
@@ -136,8 +137,8 @@ pub(crate) struct Workspace<R> {
     tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
-    /// The scale of the mass, while the factors are those of the mass alone.
-    held_mass: Option<R>,
+    /// Whether the factors are those of the mass alone.
+    held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
     current: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
@@ -165,6 +166,10 @@ struct Balance<R> {
     scale: R,
 }
 
+/// Corrections allowed to bring displacements onto the constraints, and their size in rounding units
+/// of the structure's below which they may stop falling.
+const RESTORATIONS: usize = 50;
+const NOISE: f64 = 1e3;
 /// Largest correction, in natural sizes, after which the rounding floor still holds.
 const NEAR: f64 = 1e-2;
 /// Correction, in natural sizes, that no structure makes unless it is a mechanism.
@@ -186,7 +191,7 @@ impl<R: Real> Workspace<R> {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
-            held_mass: None,
+            held_mass: false,
             current: false,
             floor: R::zero(),
             internal: zeros(),
@@ -208,7 +213,7 @@ impl<R: Real> Workspace<R> {
     /// Forgets the factorisation, so that the next solve makes a new one.
     pub(crate) fn forget(&mut self) {
         self.factored = false;
-        self.held_mass = None;
+        self.held_mass = false;
         self.current = false;
     }
 
@@ -237,7 +242,7 @@ impl<R: Real> Workspace<R> {
         match self.renew(structure, equations, u) {
             // Every multiplier brings one that says nothing of stability.
             Ok(()) => {
-                let held = structure.multipliers().len();
+                let held = held(structure);
                 Ok(self.factor.inertia().and_then(|all| all.checked_sub(held)))
             }
             Err(Error::Mechanism { .. }) => Ok(None),
@@ -306,7 +311,7 @@ impl<R: Real> Workspace<R> {
             let stuck = choice.is_none() && rises >= RISES;
             if !at_floor && stuck && corrected_by(settings.correction) {
                 self.tangent.clear();
-                structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
+                self.add_tangent(structure, &equations, u)?;
                 at_floor = balance.residual <= self.rounding(structure, structure.measure())?;
             }
             if (small && corrected_by(settings.correction)) || at_floor {
@@ -367,22 +372,23 @@ impl<R: Real> Workspace<R> {
         self.balance(structure, &equations, &state.displacement)?;
         let multipliers = structure.multipliers();
         // Constraints turn with the motion, the mass alone never changes.
-        let mass = match self.held_mass {
-            Some(mass) if multipliers.is_empty() => mass,
-            _ => {
-                self.forget();
-                self.tangent.clear();
-                let u = &state.displacement;
-                let mass = structure.add_projection(state.time, u, &mut self.tangent)?;
-                let factored = self.factor.factor(self.tangent.stored());
-                factored.map_err(|error| match singular(structure, error.clone()) {
-                    redundant @ Error::Redundant { .. } => redundant,
-                    _ => error,
-                })?;
-                self.held_mass = Some(mass);
-                mass
-            }
-        };
+        let mass = structure.mass_factor();
+        if !(self.held_mass && multipliers.is_empty()) {
+            self.forget();
+            self.tangent.clear();
+            add_projection(
+                structure,
+                state.time,
+                &state.displacement,
+                &mut self.tangent,
+            )?;
+            let factored = self.factor.factor(self.tangent.stored());
+            factored.map_err(|error| match singular(structure, error.clone()) {
+                redundant @ Error::Redundant { .. } => redundant,
+                _ => error,
+            })?;
+            self.held_mass = true;
+        }
         for force in &mut self.scratch {
             *force *= mass;
         }
@@ -411,22 +417,12 @@ impl<R: Real> Workspace<R> {
         }
         state.velocity[multipliers.clone()].fill(R::zero());
         state.acceleration[multipliers.clone()].fill(R::zero());
-        let Some((matrix, factor)) = &mut self.projection else {
-            return Ok(());
-        };
-        matrix.clear();
-        let mass = structure.add_projection(state.time, &state.displacement, matrix)?;
-        factor
-            .factor(matrix.stored())
-            .map_err(|error| singular(structure, error))?;
-        let unknowns = structure.unknowns();
+        self.project(structure, state.time, &state.displacement)?;
         for rate in [Rate::Velocity, Rate::Acceleration] {
-            self.scratch.fill(R::zero());
-            structure.violation(rate, state, &mut self.scratch);
-            for residual in &mut self.scratch[multipliers.clone()] {
-                *residual = -*residual;
-            }
-            solve_by(factor, unknowns, &mut self.unknown, &mut self.scratch)?;
+            let (u, v, a) = (&state.displacement, &state.velocity, &state.acceleration);
+            let motion = [&u[..], v, a];
+            let known = if rate == Rate::Velocity { 2 } else { 3 };
+            self.close(structure, state.time, &motion[..known])?;
             let x = match rate {
                 Rate::Acceleration => &mut state.acceleration,
                 _ => &mut state.velocity,
@@ -435,10 +431,99 @@ impl<R: Real> Workspace<R> {
                 x[i] += self.scratch[i];
             }
         }
+        let mass = structure.mass_factor();
         for i in multipliers {
             state.displacement[i] += self.scratch[i] / mass;
         }
         Ok(())
+    }
+
+    /// Moves a state's displacements onto the constraints along the directions `M^-1 G^T` in which
+    /// these push at the state `from`, or at its own where none is given: with the former the
+    /// positions of SHAKE (Ryckaert, Ciccotti and Berendsen 1977), with the latter the nearest
+    /// ones in the metric of the mass. [`moved`](Self::moved) tells by how much.
+    pub(crate) fn restore<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        from: Option<&State<R>>,
+        state: &mut State<R>,
+    ) -> Result<()> {
+        self.moved.fill(R::zero());
+        let multipliers = structure.multipliers();
+        if multipliers.is_empty() {
+            return Ok(());
+        }
+        let at = from.unwrap_or(state);
+        self.project(structure, at.time, &at.displacement)?;
+        let mut extra = R::ORDER;
+        let mut before: Option<R> = None;
+        // A chord converges linearly, the faster the shorter the step.
+        for _ in 0..RESTORATIONS {
+            self.close(structure, state.time, &[&state.displacement])?;
+            let mut largest = R::zero();
+            for i in (0..self.scratch.len()).filter(|i| !multipliers.contains(i)) {
+                let change = self.scratch[i];
+                state.displacement[i] += change;
+                self.moved[i] += change;
+                largest = largest.larger((change / structure.measure()[i]).abs());
+            }
+            if !largest.finite() {
+                break;
+            }
+            let small = |units: f64| largest <= R::lit(units * R::EPSILON);
+            let stalled = before.is_some_and(|before| largest > before * R::lit(STALLED));
+            if small(4.0) || (small(NOISE) && stalled) {
+                if extra == 0 {
+                    return Ok(());
+                }
+                extra -= 1;
+            }
+            before = Some(largest);
+        }
+        Err(Error::Unconverged {
+            reason: "the displacements could not be brought onto the constraints",
+            iterations: RESTORATIONS,
+            residual: before.map_or(f64::NAN, R::value),
+        })
+    }
+
+    /// Factorises what projects onto the constraints at `u`.
+    fn project<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        time: R,
+        u: &[R],
+    ) -> Result<()> {
+        if let Some((matrix, factor)) = &mut self.projection {
+            matrix.clear();
+            add_projection(structure, time, u, matrix)?;
+            let factored = factor.factor(matrix.stored());
+            factored.map_err(|error| singular(structure, error))?;
+        }
+        Ok(())
+    }
+
+    /// The smallest change, in `scratch`, that takes what the constraints leave of a motion away.
+    fn close<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        time: R,
+        motion: &[&[R]],
+    ) -> Result<()> {
+        self.scratch.fill(R::zero());
+        structure.violation(time, motion, &mut self.scratch);
+        for residual in &mut self.scratch[structure.multipliers()] {
+            *residual = -*residual;
+        }
+        match &mut self.projection {
+            Some((_, factor)) => solve_by(
+                factor,
+                structure.unknowns(),
+                &mut self.unknown,
+                &mut self.scratch,
+            ),
+            None => Ok(()),
+        }
     }
 
     /// Adds to `q`, zero before, the forces that supports, joints, motions and constraints exert in a
@@ -583,6 +668,17 @@ impl<R: Real> Workspace<R> {
         }
     }
 
+    fn add_tangent<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+    ) -> Result<()> {
+        let (time, k) = (equations.time, &mut self.tangent);
+        structure.add_tangent(time, equations.factor, u, k)?;
+        structure.add_holding_tangent(time, u, k)
+    }
+
     fn renew<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
@@ -591,7 +687,7 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         self.forget();
         self.tangent.clear();
-        structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
+        self.add_tangent(structure, equations, u)?;
         self.floor = self.rounding(structure, u)?;
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
