@@ -427,7 +427,14 @@ fn constraints_may_say_the_same_but_not_the_contrary() {
             scene.bind(vectors, Parabola { speed: 0.0 }).unwrap();
             // Three metres from the origin is where the clamp does not hold it.
             let pair = [(beam.node(1), NodalVector::Position)];
-            scene.bind(pair, Tether { length: 0.5_f64.sqrt() }).unwrap();
+            scene
+                .bind(
+                    pair,
+                    Tether {
+                        length: 0.5_f64.sqrt(),
+                    },
+                )
+                .unwrap();
             scene.bind(pair, Tether { length }).unwrap();
         }
         scene.assemble()

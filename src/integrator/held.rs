@@ -21,13 +21,7 @@ pub(super) struct Held<R> {
 
 impl<R: Real> Held<R> {
     /// Adds the forces of the multipliers in `middle` and the residuals at the end.
-    pub(super) fn add<S: Structure<R>>(
-        self,
-        structure: &S,
-        middle: &[R],
-        end: &[R],
-        q: &mut [R],
-    ) {
+    pub(super) fn add<S: Structure<R>>(self, structure: &S, middle: &[R], end: &[R], q: &mut [R]) {
         structure.gradient(self.at, &[middle], &mut |multiplier, i, slope| {
             q[i] += middle[multiplier] * slope;
         });

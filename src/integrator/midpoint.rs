@@ -37,7 +37,10 @@ impl<R: Real> Scheme<R> for Midpoint {
         let way = Middle {
             structure,
             from: &state.displacement,
-            held: Held { at: time, end: time },
+            held: Held {
+                at: time,
+                end: time,
+            },
             end: RefCell::new(&mut middle),
         };
         Ok(MidpointMethod {

@@ -17,9 +17,7 @@ use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{
-    Condition, Matrix, Rate, Secant, State, Structure, Unknowns, Workspace, held,
-};
+use crate::solver::{Condition, Matrix, Rate, Secant, State, Structure, Unknowns, Workspace, held};
 use crate::tensor::{add_scaled, cross, sum};
 
 /// Energy balance of a state (J).

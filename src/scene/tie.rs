@@ -119,8 +119,9 @@ impl<R: Real, const D: usize> Scene<R, D> {
     /// ```
     ///
     /// # Errors
-    /// When there is no such node or nodal vector. Conditions that vanish nowhere nearby, say the
-    /// same as others, or have no derivative are found when the system is assembled or solved.
+    /// When there is no such node or nodal vector. Conditions that contradict others or have no
+    /// derivative are found when the system is assembled or solved; those that say the same as
+    /// others are left out.
     pub fn bind<C, const V: usize, const M: usize>(
         &mut self,
         vectors: [(Node, NodalVector); V],

@@ -30,7 +30,7 @@ pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;
+pub use structure::{Rate, Secant, Structure};
 pub(crate) use structure::{add_projection, each_gradient, held};
 pub(crate) use unknowns::dependent;
-pub use structure::{Rate, Secant, Structure};
 pub use unknowns::{Condition, Unknowns};

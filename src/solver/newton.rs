@@ -488,12 +488,7 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Factorises what projects onto the constraints at `u`.
-    fn project<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        time: R,
-        u: &[R],
-    ) -> Result<()> {
+    fn project<S: Structure<R> + ?Sized>(&mut self, structure: &S, time: R, u: &[R]) -> Result<()> {
         if let Some((matrix, factor)) = &mut self.projection {
             matrix.clear();
             add_projection(structure, time, u, matrix)?;

@@ -140,9 +140,10 @@ impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
             for residual in &mut own[multipliers.clone()] {
                 *residual *= self.step;
             }
-            self.structure.gradient(time, &[u], &mut |multiplier, k, slope| {
-                own[k] += u[multiplier] * slope;
-            });
+            self.structure
+                .gradient(time, &[u], &mut |multiplier, k, slope| {
+                    own[k] += u[multiplier] * slope;
+                });
             scratch.give(q, i, self.count());
         }
     }

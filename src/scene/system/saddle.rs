@@ -54,7 +54,9 @@ pub(super) fn redundant<R: Real>(
             conditions.push(Condition {
                 terms: match size.is_zero() {
                     true => Vec::new(),
-                    false => bound.map(|(i, (slope, unit))| (i, *slope * *unit / size)).collect(),
+                    false => bound
+                        .map(|(i, (slope, unit))| (i, *slope * *unit / size))
+                        .collect(),
                 },
                 known: Vec::new(),
             });
@@ -164,7 +166,11 @@ impl<R: Real, const D: usize> System<R, D> {
             constraint: self.name(i),
             pivot: left.value(),
         };
-        let times: &[f64] = if self.is_driven() { &TIMES } else { &TIMES[..1] };
+        let times: &[f64] = if self.is_driven() {
+            &TIMES
+        } else {
+            &TIMES[..1]
+        };
         let mut left = vec![R::zero(); self.multipliers().len()];
         let start = self.multipliers().start;
         for time in times.iter().map(|time| R::lit(*time)) {
@@ -218,11 +224,19 @@ impl<R: Real, const D: usize> System<R, D> {
             }
             self.violation(time, &[&u], &mut change);
             for (q, i) in unknown.iter_mut().zip(free) {
-                *q = if multipliers.contains(i) { -change[*i] } else { R::zero() };
+                *q = if multipliers.contains(i) {
+                    -change[*i]
+                } else {
+                    R::zero()
+                };
             }
             factor.solve(&mut unknown)?;
             let mut largest = R::zero();
-            for (q, i) in unknown.iter().zip(free).filter(|(_, i)| !multipliers.contains(i)) {
+            for (q, i) in unknown
+                .iter()
+                .zip(free)
+                .filter(|(_, i)| !multipliers.contains(i))
+            {
                 u[*i] += *q;
                 largest = largest.larger((*q / self.measure[*i]).abs());
             }
@@ -243,7 +257,11 @@ impl<R: Real, const D: usize> System<R, D> {
     /// When the state is of another system's size.
     pub fn drift(&self, state: &State<R>) -> Result<Drift<R>> {
         self.check_size(state)?;
-        let motion = [&state.displacement[..], &state.velocity, &state.acceleration];
+        let motion = [
+            &state.displacement[..],
+            &state.velocity,
+            &state.acceleration,
+        ];
         let [position, velocity, acceleration] = [1, 2, 3].map(|known| {
             let mut largest = R::zero();
             for constraint in &self.constraints {
