@@ -425,7 +425,6 @@ fn constraints_may_say_the_same_but_not_the_contrary() {
         if clamped {
             let vectors = [(beam.start(), NodalVector::Position)];
             scene.bind(vectors, Parabola { speed: 0.0 }).unwrap();
-            // Three metres from the origin is where the clamp does not hold it.
             let pair = [(beam.node(1), NodalVector::Position)];
             scene
                 .bind(
