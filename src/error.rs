@@ -179,14 +179,14 @@ pub enum Error {
         /// The vanishing pivot.
         pivot: f64,
     },
-    /// A constraint that says nothing new.
+    /// A constraint that has nothing left to hold and yet does not follow from the others.
     #[error(
-        "{constraint} holds nothing that is left to hold (pivot {pivot:.1e}): other constraints, joints or supports say the same or contradict it, or its derivatives vanish; drop one of them, or state it by a function whose derivatives do not vanish"
+        "{constraint} holds nothing that is left to hold (pivot {pivot:.1e}): other constraints, joints or supports contradict it, the mechanism is at a dead point, or its derivatives vanish; drop one of them, start away from the dead point, or state it by a function whose derivatives do not vanish"
     )]
     Redundant {
         /// The constraint, in words.
         constraint: String,
-        /// The vanishing pivot.
+        /// The vanishing pivot, or what the others leave of the constraint.
         pivot: f64,
     },
     /// Conditions on coordinates that exclude each other.

@@ -1,6 +1,7 @@
 //! Time integration: one file per method behind [`Method`], and one driver for all of them with
 //! fixed, error-controlled or stability-bound steps and with events. A step allocates nothing; a
-//! failed or rejected step leaves the last good state untouched.
+//! failed or rejected step leaves the last good state untouched. Every method holds nonlinear
+//! constraints by Lagrange multipliers, of which the state keeps the last.
 //!
 //! | scheme | order | what it is for |
 //! |---|---|---|
@@ -17,6 +18,7 @@ mod driver;
 mod energy_momentum;
 mod event;
 mod explicit;
+mod held;
 mod midpoint;
 mod newmark;
 mod observe;
@@ -146,7 +148,8 @@ fn impose_mean<R: Real, S: Structure<R>>(
 }
 
 /// Makes the end of a step, `next.time` its time, from the mean acceleration over it: that guessed
-/// and `rate` times what Newton's method corrected. The acceleration left is the mean.
+/// and `rate` times what Newton's method corrected. The acceleration left is the mean; multipliers
+/// stay as they are in `next`.
 fn end_by_mean<R: Real, S: Structure<R>>(
     structure: &S,
     (guess, rate, moved): (&[R], R, &[R]),
@@ -155,7 +158,14 @@ fn end_by_mean<R: Real, S: Structure<R>>(
     step: R,
 ) -> Result<()> {
     let half = step * R::lit(0.5);
+    let multipliers = structure.multipliers();
+    for i in multipliers.clone() {
+        (next.velocity[i], next.acceleration[i]) = (R::zero(), R::zero());
+    }
     for (i, moved) in moved.iter().enumerate() {
+        if multipliers.contains(&i) {
+            continue;
+        }
         let a = guess[i] + rate * *moved;
         let drift = step * (now.velocity[i] + half * a);
         next.acceleration[i] = a;
