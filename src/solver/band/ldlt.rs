@@ -11,8 +11,9 @@ use crate::tensor::array;
 /// Pivots eliminated together.
 const PANEL: usize = 4;
 
-/// Rounding units below which a pivot is taken for rounding of the terms it was summed from.
-pub(in crate::solver) const NOISE: f64 = 4.0;
+/// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
+/// panel of pivots before it adds up to two, half of them of one sign or the other.
+pub(in crate::solver) const NOISE: f64 = 8.0;
 
 /// Growth of a diagonal term over the largest entry of its row that is still accepted. The
 /// backward error is at most this many rounding units; definite matrices never exceed 2, and
