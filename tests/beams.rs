@@ -8,6 +8,7 @@ mod derivatives;
 mod dynamics;
 mod elements;
 mod families;
+mod hard_cases;
 mod joints;
 mod lanes;
 mod modes;

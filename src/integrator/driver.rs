@@ -118,6 +118,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     /// [`Error::StepFailed`] with the cause; the state before the step is kept.
     pub fn step(&mut self, step: R) -> Result<()> {
         positive("time step [s]", step)?;
+        self.told(step)?;
         self.attempt(step)
             .map_err(|cause| self.failed(step, cause))?;
         self.accept();
@@ -218,11 +219,26 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 return Ok(true);
             }
         }
-        let rest = end - self.state.time;
-        if rest > step * R::lit(1e-6) {
-            return self.whole(rest, end, halvings, watch, &mut observe);
+        match self.left(end) {
+            Some(rest) if rest > step * R::lit(1e-6) => {
+                self.whole(rest, end, halvings, watch, &mut observe)
+            }
+            _ => Ok(false),
         }
-        Ok(false)
+    }
+
+    /// Refuses a step that the clock cannot tell from the steps beside it.
+    fn told(&self, step: R) -> Result<()> {
+        let least = self.state.time.abs() * R::lit(TICKS * R::EPSILON);
+        if step >= least {
+            return Ok(());
+        }
+        Err(Error::OutOfRange {
+            what: "time step [s]",
+            value: step.value(),
+            range: "four rounding units of the time, or more",
+            remedy: "the clock would not see the step: start it at zero, or take a number type of more digits",
+        })
     }
 
     /// One step that ends at `time`, in halves where it fails.
@@ -234,6 +250,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
     ) -> Result<bool> {
+        self.told(step)?;
         match self.attempt(step) {
             Ok(()) => self.take(step, Some(time), watch, observe),
             Err(cause @ Error::LoadNotFinite { .. }) => Err(self.failed(step, cause)),
@@ -306,7 +323,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     /// Time left to `end`; what rounding of the time leaves is no step.
     fn left(&mut self, end: R) -> Option<R> {
         let left = end - self.state.time;
-        if left <= end.abs().larger(self.state.time.abs()) * R::lit(4.0 * R::EPSILON) {
+        if left <= end.abs().larger(self.state.time.abs()) * R::lit(TICKS * R::EPSILON) {
             self.state.time = end;
             return None;
         }
@@ -423,6 +440,9 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         }
     }
 }
+
+/// Rounding units of the time below which a step is none.
+const TICKS: f64 = 4.0;
 
 /// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
 fn even<R: Real>(left: R, step: R) -> R {
