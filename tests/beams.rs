@@ -8,7 +8,6 @@ mod derivatives;
 mod dynamics;
 mod elements;
 mod families;
-mod hard_cases;
 mod joints;
 mod lanes;
 mod modes;

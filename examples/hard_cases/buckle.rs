@@ -95,7 +95,8 @@ where
             let at = system.coordinate(left.end(), NodalVector::Position)? + 1;
             let settings = Path {
                 locate: Some(R::EPSILON.sqrt().max(1e-6)),
-                ..Path::by(Control::Coordinate(at), -0.1 * height)
+                longest: 0.05 * height,
+                ..Path::by(Control::Coordinate(at), -0.05 * height)
             };
             let mut path = Continuation::start(&system, system.rest(), R::zero(), &settings)?;
             let (mut curve, mut worst) = (vec![[0.0, 0.0]], 0.0_f64);
