@@ -72,7 +72,7 @@ where
         form: "cable",
         truth: "closed form",
         parameter: height,
-        claim: Claim::Within((100.0 * R::EPSILON / height.powi(2)).max(1e-6)),
+        claim: Claim::Within((300.0 * R::EPSILON / height.powi(2)).max(1e-6)),
         long: false,
         run: Box::new(move || {
             let lit = R::lit;

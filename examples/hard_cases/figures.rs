@@ -254,7 +254,11 @@ fn motion(rows: &[Done], out: &Path) -> Drawn {
         panels.push(panel(
             "pendulum of 6 elements, 60 s at 1 ms",
             Axis::linear("time (s)", 0.0, 60.0),
-            Axis::linear("energy left by viscosity (J)", low, -0.05 * low),
+            Axis::linear(
+                "energy since the start, less by viscosity (J)",
+                low,
+                -0.05 * low,
+            ),
             swings,
         ));
     }

@@ -53,8 +53,8 @@ fn claimed(done: &Done) -> Option<f64> {
     let Claim::Within(limit) = done.row.claim else {
         return None;
     };
-    let told = done.answer().map_or(0.0, |answer| answer.told);
-    Some(-(limit + told).min(1.0).log10())
+    let told = done.answer()?.told;
+    Some((limit + told).min(1.0).log10().abs())
 }
 
 fn print(done: &Done) {
