@@ -188,14 +188,14 @@ pub enum Error {
         /// Change by one more correction over the displacements.
         share: f64,
     },
-    /// A constraint that says nothing new.
+    /// A constraint that has nothing left to hold and yet does not follow from the others.
     #[error(
-        "{constraint} holds nothing that is left to hold (pivot {pivot:.1e}): other constraints, joints or supports say the same or contradict it, or its derivatives vanish; drop one of them, or state it by a function whose derivatives do not vanish"
+        "{constraint} holds nothing that is left to hold (pivot {pivot:.1e}): other constraints, joints or supports contradict it, the mechanism is at a dead point, or its derivatives vanish; drop one of them, start away from the dead point, or state it by a function whose derivatives do not vanish"
     )]
     Redundant {
         /// The constraint, in words.
         constraint: String,
-        /// The vanishing pivot.
+        /// The vanishing pivot, or what the others leave of the constraint.
         pivot: f64,
     },
     /// Conditions on coordinates that exclude each other.
@@ -230,6 +230,28 @@ pub enum Error {
         step: f64,
         /// Shortest step allowed (s).
         shortest: f64,
+    },
+    /// The local error of a step is larger than allowed.
+    #[error(
+        "the local error of the step is {error:.2e} of the motion, above the tolerance of {tolerance:.2e}: a shorter step is tried"
+    )]
+    Inaccurate {
+        /// Local error over the size of the motion.
+        error: f64,
+        /// The error allowed.
+        tolerance: f64,
+    },
+    /// A checkpoint does not belong to the run that is to be resumed.
+    #[error(
+        "the checkpoint is of another {what}: {given}, not {needed}; resume with what it was taken from, or start a new run from Checkpoint::state"
+    )]
+    ForeignCheckpoint {
+        /// What differs.
+        what: &'static str,
+        /// As the checkpoint has it.
+        given: String,
+        /// As the run has it.
+        needed: String,
     },
     /// A step of an explicit method lies beyond its limit of stability.
     #[error(

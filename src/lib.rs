@@ -52,7 +52,7 @@
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
 //! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band and sparse factorisation, Newton's method, statics, path following with its limit and bifurcation points, natural frequencies and buckling loads |
-//! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events |
+//! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events, checkpoints |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
 
@@ -81,8 +81,9 @@ pub mod prelude {
         StructuralMechanics,
     };
     pub use crate::integrator::{
-        Adaptive, CentralDifference, Collocation, Crossing, EnergyMomentum, Estimator, Integration,
-        Method, Midpoint, Newmark, RunReport, Scheme, Step, Stepping,
+        Adaptive, CentralDifference, Checkpoint, Collocation, Crossing, Ending, EnergyMomentum,
+        Estimator, Integration, Method, Midpoint, Newmark, Refusal, RunReport, Scheme, Step,
+        Stepping,
     };
     pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
     pub use crate::quadrature::Cubature;

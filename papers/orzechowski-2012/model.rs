@@ -1,6 +1,7 @@
 //! The paper's three beams as scenes. Every study states only what it varies (mesh, section,
 //! Poisson ratio, integration rule), so that two runs that should differ in one thing do.
 
+use ancf::material::PoissonSplit;
 use ancf::prelude::*;
 
 /// Length of every beam in the paper (m).
@@ -27,10 +28,7 @@ pub enum Rule {
 
 impl Rule {
     /// The formulation of this rule.
-    pub fn of(
-        self,
-        material: SaintVenantKirchhoff<f64, 3>,
-    ) -> Continuum<SaintVenantKirchhoff<f64, 3>> {
+    pub fn of<M: Material<f64, 3> + PoissonSplit>(self, material: M) -> Continuum<M> {
         match self {
             Self::Full => Continuum::full(material),
             Self::Reduced => Continuum::reduced(material),
@@ -66,6 +64,14 @@ pub struct Specimen {
 }
 
 impl Specimen {
+    /// The material of this beam.
+    ///
+    /// # Errors
+    /// Whatever the library refuses.
+    pub fn material(&self) -> Result<SaintVenantKirchhoff<f64, 3>> {
+        SaintVenantKirchhoff::isotropic(self.young, self.poisson)
+    }
+
     /// A scene that holds this beam with a section.
     ///
     /// # Errors
@@ -75,7 +81,20 @@ impl Specimen {
         section: impl Section<f64>,
         density: Option<f64>,
     ) -> Result<(Scene<f64, 3>, Placed)> {
-        let material = SaintVenantKirchhoff::isotropic(self.young, self.poisson)?;
+        self.scene_of(self.material()?, section, density)
+    }
+
+    /// The same of another material.
+    fn scene_of<M>(
+        &self,
+        material: M,
+        section: impl Section<f64>,
+        density: Option<f64>,
+    ) -> Result<(Scene<f64, 3>, Placed)>
+    where
+        M: Material<f64, 3> + PoissonSplit,
+        Continuum<M>: Formulation<f64, FullyParameterised, 3, 8>,
+    {
         let mut beam = Beam::new(FullyParameterised, section, self.rule.of(material)).straight(
             [0.0; 3],
             [LENGTH, 0.0, 0.0],
@@ -99,7 +118,24 @@ impl Specimen {
         section: impl Section<f64>,
         sideways: f64,
     ) -> Result<(System<f64, 3>, Placed)> {
-        let (mut scene, beam) = self.scene(section, Some(DENSITY))?;
+        self.pendulum_of(self.material()?, section, sideways)
+    }
+
+    /// The same of another material.
+    ///
+    /// # Errors
+    /// Whatever the library refuses.
+    pub fn pendulum_of<M>(
+        &self,
+        material: M,
+        section: impl Section<f64>,
+        sideways: f64,
+    ) -> Result<(System<f64, 3>, Placed)>
+    where
+        M: Material<f64, 3> + PoissonSplit,
+        Continuum<M>: Formulation<f64, FullyParameterised, 3, 8>,
+    {
+        let (mut scene, beam) = self.scene_of(material, section, Some(DENSITY))?;
         scene.pin(beam.start())?;
         scene.gravity([0.0, -GRAVITY, sideways])?;
         Ok((scene.assemble()?, beam))

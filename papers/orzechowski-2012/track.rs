@@ -81,7 +81,7 @@ impl Track {
             Ok(())
         });
         let failure = match outcome {
-            Ok(()) => None,
+            Ok(_) => None,
             Err(ancf::Error::StepFailed { cause, .. }) => Some(cause.to_string()),
             Err(other) => return Err(other),
         };

@@ -10,15 +10,15 @@ use std::cell::RefCell;
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{
-    Equations, Matrix, Newton, Rate, Solved, State, Structure, Workspace, unconstrained,
-};
+use crate::solver::{Equations, Matrix, Newton, Rate, Solved, State, Structure, Tape, Workspace};
 use stages::{Layout, Scratch, Stages};
 use tableau::{Points, Tableau, weighted};
 
 /// Collocation with `s` stages: the motion over a step is the polynomial that obeys the equations
 /// of motion at `s` points (Hairer, Norsett and Wanner, *Solving ODEs I*, II.7 and *II*, IV.5). A
-/// step costs what a structure of `s` times the coordinates costs.
+/// step costs what a structure of `s` times the coordinates costs. Nonlinear constraints hold in
+/// their rates at these points, and in position, velocity and acceleration at the end of the step,
+/// with no loss of order.
 ///
 /// Error control holds the polynomial inside the step to the tolerance; with more than two stages
 /// the end of the step is better than that.
@@ -83,7 +83,6 @@ impl<R: Real> Scheme<R> for Collocation {
         state: &mut State<R>,
     ) -> Result<CollocationMethod<R>> {
         self.newton.check()?;
-        unconstrained(structure, "collocation")?;
         if !(1..=8).contains(&self.stages) {
             return Err(Error::OutOfRange {
                 what: "number of stages of a collocation method",
@@ -101,6 +100,7 @@ impl<R: Real> Scheme<R> for Collocation {
         let mut scratch = Scratch {
             u: vec![R::zero(); n],
             q: vec![R::zero(); n],
+            v: vec![R::zero(); n],
             matrix: Matrix::zero(structure.unknowns(), structure.symmetric()),
         };
         let workspace = Workspace::new(&Stages {
@@ -108,6 +108,7 @@ impl<R: Real> Scheme<R> for Collocation {
             tableau: &tableau,
             layout: &layout,
             step: R::one(),
+            from: &state.displacement,
             scratch: RefCell::new(&mut scratch),
         });
         Ok(CollocationMethod {
@@ -234,6 +235,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
             tableau: &self.tableau,
             layout: &self.layout,
             step,
+            from: &now.displacement,
             scratch: RefCell::new(&mut self.scratch),
         };
         let newton = &self.settings.newton;
@@ -243,8 +245,15 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         next.work = now.work + self.work(structure, now, step)?;
         next.time = now.time + step;
         let moved = self.workspace.moved();
+        let multipliers = structure.multipliers();
         for k in 0..now.displacement.len() {
             let own = k * count..(k + 1) * count;
+            if multipliers.contains(&k) {
+                // Those of the last stage, whose acceleration is left, too.
+                next.displacement[k] = self.stages[own.end - 1];
+                (next.velocity[k], next.acceleration[k]) = (R::zero(), R::zero());
+                continue;
+            }
             let (x, moved) = (&self.predicted[own.clone()], &moved[own.clone()]);
             let a = &mut self.stages[own];
             for (a, row) in a.iter_mut().zip(&self.tableau.inverse) {
@@ -262,9 +271,11 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         ] {
             structure.impose(next.time, rate, x)?;
         }
+        self.outer.restore(structure, None, next)?;
         // Radau's last stage is the end.
-        if self.settings.points == Points::Gauss {
-            self.outer.accelerate(structure, next)?;
+        match self.settings.points {
+            Points::Gauss => self.outer.accelerate(structure, next)?,
+            Points::Radau => self.outer.settle(structure, next)?,
         }
         next.work += self.outer.driven_work(structure, now, next)?;
         Ok(solved)
@@ -278,6 +289,11 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
             let own = &self.stages[k * count..(k + 1) * count];
             step * step * (start[0] * now.acceleration[k] + weighted(stages, own))
         })
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.step)?;
+        self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {}

@@ -1,9 +1,11 @@
 //! The driver of all integrators: fixed steps, halved where they fail, steps below the stability
 //! limit, or steps chosen so that the local error stays at a tolerance. Observers see every
-//! accepted step and cannot change it; an event ends the run where it happens.
+//! accepted step and cannot change it, a log sees every other; an event ends the run where it happens.
 
+use super::checkpoint::{Checkpoint, Progress};
 use super::event::{Crossing, Event, Never, Watch, locate};
-use super::observe::{Observation, Step};
+use super::observe::{Ending, Log, Observation, Refusal, Silent, Step};
+use super::pace::Pace;
 use super::stepping::{Adaptive, Stepping};
 use super::{Method, Scheme};
 use crate::error::{Error, Result, finite, positive};
@@ -12,12 +14,13 @@ use crate::solver::{State, Structure};
 
 /// What a run took so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RunReport {
     /// Steps accepted.
     pub steps: usize,
     /// Steps rejected because their error was too large.
     pub rejected: usize,
-    /// Steps in which Newton's method failed and a shorter one was tried.
+    /// Steps that failed, Newton's method for the most part, whether a shorter one was tried or not.
     pub failed: usize,
     /// Steps accepted at the residual that rounding leaves, above Newton's tolerance.
     pub at_floor: usize,
@@ -50,18 +53,17 @@ pub struct RunReport {
 /// # Ok::<(), ancf::Error>(())
 /// ```
 #[derive(Debug)]
-pub struct Integration<'a, R: Real, S, M> {
+pub struct Integration<'a, R: Real, S, M, L = Silent> {
     structure: &'a S,
     method: M,
     state: State<R>,
     next: State<R>,
-    report: RunReport,
-    /// Step the error control would take next (s).
-    proposed: Option<R>,
-    /// Error of the last step accepted over the one allowed.
-    error: f64,
-    /// Largest size of the motion so far.
-    motion: R,
+    progress: Progress<R>,
+    /// The scheme with its settings, in words.
+    scheme: String,
+    log: L,
+    /// End of the run under way (s).
+    end: R,
     /// Whether the last attempt ended at the rounding floor.
     floored: bool,
 }
@@ -88,15 +90,106 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
             structure,
             method,
             next: state.clone(),
-            state,
-            report: RunReport::default(),
-            proposed: None,
-            error: 1.0,
-            motion: R::zero(),
+            progress: Progress::new(state.time),
+            scheme: format!("{scheme:?}"),
+            log: Silent,
+            end: state.time,
             floored: false,
+            state,
         })
     }
 
+    /// Goes on from a checkpoint, to the last bit as the run that it was taken from would have gone
+    /// on, whatever the scheme and the stepping: to that end what the method remembers is restored,
+    /// kept tangents among it. On another kind of processor, whose lanes round otherwise, the last
+    /// digits differ.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// # let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
+    /// # let mut scene = Scene::<f64, 2>::new();
+    /// # let beam = scene.add(
+    /// #     Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber))
+    /// #         .straight([0.0, 0.0], [1.0, 0.0], 4)
+    /// #         .density(7200.0),
+    /// # )?;
+    /// # scene.pin(beam.start())?;
+    /// # scene.gravity([0.0, -9.81])?;
+    /// # let system = scene.assemble()?;
+    /// let (scheme, stepping) = (Newmark::trapezoidal(), Stepping::Adaptive(Adaptive::to(1e-4)));
+    /// let mut run = Integration::start(&system, system.rest(), &scheme)?;
+    /// let mut kept = None;
+    /// while run.until(0.1, stepping, |step| match step.report.steps % 10 {
+    ///     0 => std::ops::ControlFlow::Break(()),
+    ///     _ => std::ops::ControlFlow::Continue(()),
+    /// })? == Ending::Stopped
+    /// {
+    ///     kept = kept.or(Some(run.checkpoint()?));
+    /// }
+    /// let mut again = Integration::resume(&system, &kept.expect("ten steps"), &scheme)?;
+    /// again.until(0.1, stepping, |_| {})?;
+    /// assert_eq!(again.state(), run.state());
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::ForeignCheckpoint`] naming what differs, [`Error::Length`] for a system of another
+    /// size, [`Error::NotFinite`] and the like for a checkpoint that is damaged; those of
+    /// [`start`](Self::start).
+    pub fn resume(
+        structure: &'a S,
+        checkpoint: &Checkpoint<R>,
+        scheme: &impl Scheme<R, Method = M>,
+    ) -> Result<Self> {
+        checkpoint.check(structure, &format!("{scheme:?}"))?;
+        let mut run = Self::start(structure, checkpoint.state().clone(), scheme)?;
+        checkpoint.restore(&mut run.method)?;
+        run.state.clone_from(checkpoint.state());
+        run.progress = checkpoint.progress().clone();
+        Ok(run)
+    }
+
+    /// The same run, telling `log` of every step that is tried and not taken, as many as
+    /// [`RunReport`] counts as rejected and failed from here on. Without a log nothing is told and
+    /// nothing is lost.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// # let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.0)?;
+    /// # let mut scene = Scene::<f64, 2>::new();
+    /// # let beam = scene.add(
+    /// #     Beam::new(FullyParameterised, Disk::new(0.01)?, Continuum::full(rubber))
+    /// #         .straight([0.0, 0.0], [1.0, 0.0], 4)
+    /// #         .density(7200.0),
+    /// # )?;
+    /// # scene.pin(beam.start())?;
+    /// # scene.gravity([0.0, -9.81])?;
+    /// # let system = scene.assemble()?;
+    /// let run = Integration::start(&system, system.rest(), &Newmark::trapezoidal())?;
+    /// let mut run = run.logging(|refused| {
+    ///     println!("{:.4} s: {:.1e} s refused, {}", refused.time, refused.step, refused.cause);
+    /// });
+    /// run.until(0.1, Stepping::Adaptive(Adaptive::to(1e-4)), |_| {})?;
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    pub fn logging<L: FnMut(Refusal<'_, R>)>(self, log: L) -> Integration<'a, R, S, M, L> {
+        Integration {
+            structure: self.structure,
+            method: self.method,
+            state: self.state,
+            next: self.next,
+            progress: self.progress,
+            scheme: self.scheme,
+            log,
+            end: self.end,
+            floored: self.floored,
+        }
+    }
+}
+
+impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M, L> {
     /// The state reached: after an error, the last good one.
     pub fn state(&self) -> &State<R> {
         &self.state
@@ -109,7 +202,26 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
 
     /// What the run took so far.
     pub fn report(&self) -> RunReport {
-        self.report
+        self.progress.report
+    }
+
+    /// All that the run needs to be [resumed](Integration::resume) from the state reached. What the
+    /// run does next does not depend on whether a checkpoint was taken. A tangent that is kept from
+    /// step to step ([`Refresh::WhenSlow`](crate::solver::Refresh::WhenSlow), `Never`) is part of it
+    /// and makes it larger.
+    ///
+    /// # Errors
+    /// When a number that belongs to it is not finite.
+    pub fn checkpoint(&mut self) -> Result<Checkpoint<R>> {
+        let progress = self.progress.clone();
+        let state = self.state.clone();
+        Checkpoint::take(
+            self.structure,
+            &self.scheme,
+            state,
+            progress,
+            &mut self.method,
+        )
     }
 
     /// One step of `step` seconds. Allocates nothing.
@@ -119,13 +231,14 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     pub fn step(&mut self, step: R) -> Result<()> {
         positive("time step [s]", step)?;
         self.told(step)?;
-        self.attempt(step)
-            .map_err(|cause| self.failed(step, cause))?;
+        self.sure(step)?;
         self.accept();
         Ok(())
     }
 
-    /// Runs to `end` seconds, showing every accepted step to `observe`.
+    /// Runs to `end` seconds, showing every accepted step to `observe`, and says whether it came
+    /// there or the observer stopped it. What was stopped goes on by another call, to the last bit
+    /// as if it had not been stopped if `end` and `stepping` are the same.
     ///
     /// # Errors
     /// For an end that lies before the state's time, steps that are not positive, and
@@ -137,13 +250,12 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         end: R,
         stepping: Stepping,
         observe: impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<()> {
-        self.drive(end, stepping, &mut Never, observe)?;
-        Ok(())
+    ) -> Result<Ending> {
+        self.drive(end, stepping, &mut Never, observe)
     }
 
     /// Runs until `function` of the state crosses zero, but no longer than to `end` seconds, and
-    /// says whether it did. The run then stands just behind the crossing, at a state that the
+    /// says how it ended. After the event the run stands just behind the crossing, at a state that the
     /// method has stepped to, and can go on from there.
     ///
     /// A function that crosses zero twice within one step is not seen to cross.
@@ -166,7 +278,7 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
     /// let beyond = |state: &State<f64>| 1.0 + state.displacement[tip] - 0.9;
     /// let mut run = Integration::start(&system, system.rest(), &Newmark::trapezoidal())?;
     /// let met = run.until_event(1.0, Stepping::Fixed(1e-3), Crossing::Falling, beyond, |_| {})?;
-    /// assert!(met && beyond(run.state()).abs() < 1e-12);
+    /// assert!(met == Ending::Event && beyond(run.state()).abs() < 1e-12);
     /// # Ok::<(), ancf::Error>(())
     /// ```
     ///
@@ -179,18 +291,17 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         crossing: Crossing,
         function: impl FnMut(&State<R>) -> R,
         observe: impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
+    ) -> Result<Ending> {
         self.drive(end, stepping, &mut Event::new(crossing, function), observe)
     }
 
-    /// Runs to the end or to the event, and says whether it was the event.
     fn drive<O: Observation>(
         &mut self,
         end: R,
         stepping: Stepping,
         watch: &mut impl Watch<R>,
         mut observe: impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
+    ) -> Result<Ending> {
         finite("end of the run [s]", end)?;
         if end < self.state.time {
             return Err(Error::OutOfRange {
@@ -200,31 +311,43 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 remedy: "give a later end, or start again from an earlier state",
             });
         }
-        let (step, halvings) = match stepping {
-            Stepping::Fixed(step) => (step, 0),
-            Stepping::Halved { step, halvings } => (step, halvings),
-            Stepping::Stable(share) => return self.stable(end, share, watch, &mut observe),
-            Stepping::Adaptive(control) => {
-                return self.adaptive(end, &control, watch, &mut observe);
-            }
-        };
+        self.end = end;
+        match stepping {
+            Stepping::Fixed(step) => self.equal(step, 0, watch, &mut observe),
+            Stepping::Halved { step, halvings } => self.equal(step, halvings, watch, &mut observe),
+            Stepping::Stable(share) => self.stable(share, watch, &mut observe),
+            Stepping::Adaptive(control) => self.adaptive(&control, watch, &mut observe),
+        }
+    }
+
+    /// Equal steps, in halves where they fail.
+    fn equal<O: Observation>(
+        &mut self,
+        step: f64,
+        halvings: u32,
+        watch: &mut impl Watch<R>,
+        observe: &mut impl FnMut(Step<'_, R>) -> O,
+    ) -> Result<Ending> {
         let step = R::lit(positive("time step [s]", step)?);
-        // Whole steps are counted, not summed, so that rounding adds no sliver at the end.
-        let start = self.state.time;
-        let count = ((end - start) / step).value();
-        let whole = (count + 1e-6).floor();
-        for n in 1..=whole as u64 {
-            let time = start + step * R::lit(n as f64);
-            if self.whole(step, time, halvings, watch, &mut observe)? {
-                return Ok(true);
+        let mut pace = Pace::from(self.progress.pace, self.state.time, step, self.end);
+        while let Some(part) = pace.next(self.state.time, self.end) {
+            self.told(part)?;
+            if let Err(cause) = self.attempt(part) {
+                let vain = matches!(cause, Error::LoadNotFinite { .. });
+                let Some(half) = (!vain).then(|| pace.halve(halvings)).flatten() else {
+                    return Err(self.failed(part, cause));
+                };
+                self.refuse(part, &cause, Some(half));
+                continue;
+            }
+            let taken = self.take(part, Some(pace.end()), watch, observe);
+            pace.advance();
+            self.progress.pace = Some(pace);
+            if let Some(ending) = taken? {
+                return Ok(ending);
             }
         }
-        match self.left(end) {
-            Some(rest) if rest > step * R::lit(1e-6) => {
-                self.whole(rest, end, halvings, watch, &mut observe)
-            }
-            _ => Ok(false),
-        }
+        Ok(Ending::End)
     }
 
     /// Refuses a step that the clock cannot tell from the steps beside it.
@@ -241,64 +364,39 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         })
     }
 
-    /// One step that ends at `time`, in halves where it fails.
-    fn whole<O: Observation>(
-        &mut self,
-        step: R,
-        time: R,
-        halvings: u32,
-        watch: &mut impl Watch<R>,
-        observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
-        self.told(step)?;
-        match self.attempt(step) {
-            Ok(()) => self.take(step, Some(time), watch, observe),
-            Err(cause @ Error::LoadNotFinite { .. }) => Err(self.failed(step, cause)),
-            Err(cause) if halvings == 0 => Err(self.failed(step, cause)),
-            Err(_) => {
-                self.report.failed += 1;
-                let half = step * R::lit(0.5);
-                let middle = time - half;
-                Ok(self.whole(half, middle, halvings - 1, watch, observe)?
-                    || self.whole(half, time, halvings - 1, watch, observe)?)
-            }
-        }
-    }
-
     /// Takes the step just tried, which ends at `time` if that is known better than by summing, or
-    /// the part of it up to an event, and says whether there was one.
+    /// the part of it up to an event, and says whether the run ends with it.
     fn take<O: Observation>(
         &mut self,
         step: R,
         time: Option<R>,
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
+    ) -> Result<Option<Ending>> {
         let met = watch.meets(&self.state, &self.next)?;
         if let Some(distances) = met {
-            let least = self.next.time.abs() * R::lit(4.0 * R::EPSILON);
+            let least = self.next.time.abs() * R::lit(TICKS * R::EPSILON);
             locate([R::zero(), step], distances, least, |part| {
-                self.attempt(part)
-                    .map_err(|cause| self.failed(part, cause))?;
+                self.sure(part)?;
                 Ok(watch.distance(&self.next))
             })?;
         } else if let Some(time) = time {
             self.next.time = time;
         }
         self.accept();
-        observe(self.last()).result()?;
-        Ok(met.is_some())
+        let flow = observe(self.last()).flow()?;
+        let stopped = flow.is_break().then_some(Ending::Stopped);
+        Ok(met.map(|_| Ending::Event).or(stopped))
     }
 
     fn stable<O: Observation>(
         &mut self,
-        end: R,
         share: f64,
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
+    ) -> Result<Ending> {
         let share = R::lit(positive("share of the longest stable step", share)?);
-        while let Some(left) = self.left(end) {
+        while let Some(left) = self.left() {
             let Some(limit) = self.method.stable_step(self.structure, &self.state)? else {
                 return Err(Error::Unsupported {
                     what: "steps by stability with a method that is stable at any step".into(),
@@ -306,24 +404,20 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
                 });
             };
             let step = even(left, share * limit);
-            let time = (step == left).then_some(end);
-            if self.whole(
-                step,
-                time.unwrap_or(self.state.time + step),
-                0,
-                watch,
-                observe,
-            )? {
-                return Ok(true);
+            self.sure(step)?;
+            let time = (step == left).then_some(self.end);
+            if let Some(ending) = self.take(step, time, watch, observe)? {
+                return Ok(ending);
             }
         }
-        Ok(false)
+        Ok(Ending::End)
     }
 
-    /// Time left to `end`; what rounding of the time leaves is no step.
-    fn left(&mut self, end: R) -> Option<R> {
-        let left = end - self.state.time;
-        if left <= end.abs().larger(self.state.time.abs()) * R::lit(TICKS * R::EPSILON) {
+    /// Time left to the end; what rounding of the time leaves is no step.
+    fn left(&mut self) -> Option<R> {
+        let (end, now) = (self.end, self.state.time);
+        let left = end - now;
+        if left <= end.abs().larger(now.abs()) * R::lit(TICKS * R::EPSILON) {
             self.state.time = end;
             return None;
         }
@@ -332,77 +426,72 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
 
     fn adaptive<O: Observation>(
         &mut self,
-        end: R,
         control: &Adaptive,
         watch: &mut impl Watch<R>,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
-    ) -> Result<bool> {
+    ) -> Result<Ending> {
         control.check()?;
-        let mut step = self.proposed.unwrap_or(R::lit(control.first));
-        while let Some(left) = self.left(end) {
+        while let Some(left) = self.left() {
+            let first = || R::lit(control.first);
+            let mut step = self.progress.proposed.unwrap_or_else(first);
             step = step.smaller(R::lit(control.longest));
             if let Some(limit) = self.method.stable_step(self.structure, &self.state)? {
                 step = step.smaller(limit * R::lit(0.9));
             }
             let trial = even(left, step);
-            let (factor, refused) = match self.attempt(trial) {
-                Ok(()) => {
-                    let (accepted, factor) = self.judge(control);
-                    if accepted && self.take(trial, None, watch, observe)? {
-                        return Ok(true);
-                    }
-                    (factor, (!accepted).then_some(None))
-                }
+            let judged = match self.attempt(trial) {
+                Ok(()) => self.judge(control),
                 Err(error @ Error::LoadNotFinite { .. }) => return Err(self.failed(trial, error)),
-                Err(error) => {
-                    self.report.failed += 1;
-                    (0.25, Some(Some(error)))
-                }
+                Err(error) => Err((0.25, error)),
             };
-            let asked = trial * R::lit(factor);
-            match refused {
-                // A step cut short by the end says nothing against the longer one proposed.
-                None if trial < step => step = step.larger(asked),
-                _ => step = asked,
-            }
-            self.proposed = Some(step);
-            if let Some(cause) = refused
-                && step.value() < control.shortest
-            {
-                let cause = cause.unwrap_or(Error::StepTooShort {
-                    step: step.value(),
-                    shortest: control.shortest,
-                });
-                return Err(self.failed(trial, cause));
+            match judged {
+                Ok(factor) => {
+                    let asked = trial * R::lit(factor);
+                    // A step cut short by the end says nothing against the longer one proposed.
+                    let cut = trial < step;
+                    let next = if cut { step.larger(asked) } else { asked };
+                    // Before the step is taken: it may be the last of this call.
+                    self.progress.proposed = Some(next);
+                    if let Some(ending) = self.take(trial, None, watch, observe)? {
+                        return Ok(ending);
+                    }
+                }
+                Err((factor, cause)) => {
+                    let asked = trial * R::lit(factor);
+                    self.progress.proposed = Some(asked);
+                    let short = asked.value() < control.shortest;
+                    self.refuse(trial, &cause, (!short).then_some(asked));
+                    if short {
+                        return Err(self.stuck(trial, asked, control, cause));
+                    }
+                }
             }
         }
-        Ok(false)
+        Ok(Ending::End)
     }
 
-    /// Whether the step just tried meets the tolerance, and the factor for the next.
-    fn judge(&mut self, control: &Adaptive) -> (bool, f64) {
+    /// The factor for the next step, if the step just tried meets the tolerance, and otherwise that
+    /// for the same and why.
+    fn judge(&mut self, control: &Adaptive) -> std::result::Result<f64, (f64, Error)> {
         let (error, size) = self.method.error(self.structure, &self.state, &self.next);
-        let size = self.motion.larger(size);
+        let size = self.progress.motion.larger(size);
         let error = (error / size.larger(R::lit(control.least_motion))).value();
         let order = f64::from(self.method.error_order());
-        if !error.is_finite() {
-            self.report.failed += 1;
-            return (false, 0.25);
-        }
+        finite("local error of the step over its motion", error).map_err(|cause| (0.25, cause))?;
+        let tolerance = control.tolerance;
         // No error at all lets the step grow a hundredfold at most.
-        let share = (error / control.tolerance).max(1e-6);
-        let [integral, proportional] = control.gains.map(|gain| gain / order);
-        let trend = (self.error / share).powf(proportional);
-        let factor = control.safety * share.powf(-integral) * trend;
-        if error <= control.tolerance {
-            self.motion = size;
-            self.error = share;
-            (true, factor.clamp(0.3, 2.0))
-        } else {
-            self.report.rejected += 1;
+        let share = (error / tolerance).max(1e-6);
+        if error > tolerance {
             let factor = control.safety * share.powf(-1.0 / order);
-            (false, factor.clamp(0.1, 0.9))
+            let cause = Error::Inaccurate { error, tolerance };
+            return Err((factor.clamp(0.1, 0.9), cause));
         }
+        let [integral, proportional] = control.gains.map(|gain| gain / order);
+        let trend = (self.progress.error / share).powf(proportional);
+        let factor = control.safety * share.powf(-integral) * trend;
+        self.progress.motion = size;
+        self.progress.error = share;
+        Ok(factor.clamp(0.3, 2.0))
     }
 
     /// Computes the next state without taking the step.
@@ -410,17 +499,22 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         let solved = self
             .method
             .advance(self.structure, &self.state, &mut self.next, step)?;
-        self.report.iterations += solved.iterations;
-        self.report.tangents += solved.tangents;
+        self.progress.report.iterations += solved.iterations;
+        self.progress.report.tangents += solved.tangents;
         self.floored = solved.at_floor;
         Ok(())
+    }
+
+    /// The same where nothing else is tried if it fails.
+    fn sure(&mut self, step: R) -> Result<()> {
+        self.attempt(step).map_err(|cause| self.failed(step, cause))
     }
 
     fn accept(&mut self) {
         self.method.accept(&self.state, &self.next);
         std::mem::swap(&mut self.state, &mut self.next);
-        self.report.steps += 1;
-        self.report.at_floor += usize::from(self.floored);
+        self.progress.report.steps += 1;
+        self.progress.report.at_floor += usize::from(self.floored);
     }
 
     /// The step just accepted.
@@ -428,11 +522,46 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         Step {
             before: &self.next,
             after: &self.state,
+            report: &self.progress.report,
+            span: [self.progress.start, self.end],
             order: self.method.order(),
         }
     }
 
-    fn failed(&self, step: R, cause: Error) -> Error {
+    /// Counts and logs a step that is not taken.
+    fn refuse(&mut self, step: R, cause: &Error, retry: Option<R>) {
+        let report = &mut self.progress.report;
+        match cause {
+            Error::Inaccurate { .. } => report.rejected += 1,
+            _ => report.failed += 1,
+        }
+        self.log.refused(Refusal {
+            time: self.state.time,
+            step,
+            cause,
+            retry,
+        });
+    }
+
+    /// Counts and logs the step that ends a run.
+    fn failed(&mut self, step: R, cause: Error) -> Error {
+        self.refuse(step, &cause, None);
+        self.step_failed(step, cause)
+    }
+
+    /// The end of a run whose error control asks for steps too short.
+    fn stuck(&self, trial: R, asked: R, control: &Adaptive, cause: Error) -> Error {
+        let cause = match cause {
+            Error::Inaccurate { .. } => Error::StepTooShort {
+                step: asked.value(),
+                shortest: control.shortest,
+            },
+            other => other,
+        };
+        self.step_failed(trial, cause)
+    }
+
+    fn step_failed(&self, step: R, cause: Error) -> Error {
         Error::StepFailed {
             time: self.state.time.value(),
             step: step.value(),

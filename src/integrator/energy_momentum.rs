@@ -12,14 +12,16 @@
 //! reference state, so let what flies far start near the middle of its path.
 
 use std::cell::RefCell;
+use std::ops::Range;
 
+use super::held::Held;
 use super::midpoint::Clock;
 use super::{Method, Scheme, end_by_mean, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Unknowns,
-    Workspace, unconstrained,
+    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Tape,
+    Unknowns, Workspace,
 };
 
 /// The energy-momentum method with optional dissipation that keeps the momenta: the stress
@@ -27,6 +29,11 @@ use crate::solver::{
 /// the energy `dE : C : dE` times that factor in every step. Second order without `viscosity`, of first
 /// order with it. Loads act as they are half way. The [`acceleration`](State::acceleration) it
 /// leaves is the mean over the step.
+///
+/// Nonlinear constraints hold at the end of every step to rounding; their multipliers, means over
+/// the step, do no work where the conditions are quadratic, or functions of quadratic ones, as
+/// rigidity and distances are, and take or give energy of the second order of the step elsewhere.
+/// Velocities obey the constraints in the mean over a step.
 ///
 /// Needs [`Structure::add_secant`]. Energy is exact for strain energies up to the fourth degree
 /// in strain; angular momentum for formulations made of strain, as continua are
@@ -112,8 +119,22 @@ struct Way<'a, R, S> {
     structure: &'a S,
     from: &'a [R],
     viscosity: R,
+    held: Held<R>,
     /// Displacements half way.
     middle: RefCell<&'a mut [R]>,
+}
+
+impl<R: Real, S: Structure<R>> Way<'_, R, S> {
+    /// Displacements half way to `to`, with the multipliers at the end.
+    fn meet(&self, to: &[R]) {
+        let mut middle = self.middle.borrow_mut();
+        for (i, middle) in middle.iter_mut().enumerate() {
+            *middle = R::lit(0.5) * (self.from[i] + to[i]);
+        }
+        for i in self.structure.multipliers() {
+            middle[i] = to[i];
+        }
+    }
 }
 
 impl<R: Real, S: Structure<R>> Structure<R> for Way<'_, R, S> {
@@ -130,11 +151,27 @@ impl<R: Real, S: Structure<R>> Structure<R> for Way<'_, R, S> {
         self.structure.add_secant(self.viscosity, self.from, u, q);
     }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        let mut middle = self.middle.borrow_mut();
-        for (i, middle) in middle.iter_mut().enumerate() {
-            *middle = R::lit(0.5) * (self.from[i] + u[i]);
+        self.meet(u);
+        self.structure
+            .add_external(time, factor, &self.middle.borrow(), q)
+    }
+    fn multipliers(&self) -> Range<usize> {
+        self.structure.multipliers()
+    }
+    fn add_holding(&self, _time: R, u: &[R], q: &mut [R]) {
+        if !self.multipliers().is_empty() {
+            self.meet(u);
+            self.held.add(self.structure, &self.middle.borrow(), u, q);
         }
-        self.structure.add_external(time, factor, &middle, q)
+    }
+    fn add_holding_tangent(&self, _time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        if self.multipliers().is_empty() {
+            return Ok(());
+        }
+        self.meet(u);
+        let moves = [R::lit(0.5), R::one()];
+        self.held
+            .add_tangent(self.structure, &self.middle.borrow(), u, moves, k)
     }
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         let (at, viscosity) = ((time, factor), self.viscosity);
@@ -167,7 +204,6 @@ impl<R: Real> Scheme<R> for EnergyMomentum {
         state: &mut State<R>,
     ) -> Result<EnergyMomentumMethod<R>> {
         self.newton.check()?;
-        unconstrained(structure, "the energy-momentum method")?;
         for (what, value) in [
             ("viscosity of the energy-momentum method", self.viscosity),
             ("retardation time [s]", self.retardation),
@@ -206,6 +242,10 @@ impl<R: Real> Scheme<R> for EnergyMomentum {
             structure,
             from: &state.displacement,
             viscosity: R::zero(),
+            held: Held {
+                at: state.time,
+                end: state.time,
+            },
             middle: RefCell::new(&mut middle),
         };
         Ok(EnergyMomentumMethod {
@@ -254,6 +294,10 @@ impl<R: Real> EnergyMomentumMethod<R> {
             structure,
             from: &now.displacement,
             viscosity: R::lit(self.settings.viscosity) + R::lit(self.settings.retardation) / step,
+            held: Held {
+                at: now.time + half,
+                end,
+            },
             middle: RefCell::new(&mut self.middle),
         };
         let equations = Equations {
@@ -309,6 +353,11 @@ impl<R: Real> Method<R> for EnergyMomentumMethod<R> {
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         self.clock.error(structure, now, next)
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        self.clock.history(tape)?;
+        self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

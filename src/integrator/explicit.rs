@@ -7,13 +7,14 @@ use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 use crate::solver::{
-    Factor, Matrix, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
+    Factor, Matrix, Rate, Sample, Solved, State, Structure, Tape, Workspace, add_projection, norm,
 };
 
 /// The central difference method in its velocity form (Verlet), with the consistent mass: second
 /// order, symplectic, keeps momenta, stable for steps below `2 / omega` with `omega` the highest
 /// frequency. A step beyond is refused; [`Stepping::Stable`](super::Stepping::Stable) chooses
-/// those below.
+/// those below. Nonlinear constraints are held by RATTLE (Andersen 1983) in position and velocity,
+/// which keeps all of this.
 ///
 /// ```
 /// use ancf::prelude::*;
@@ -53,7 +54,6 @@ impl<R: Real> Scheme<R> for CentralDifference {
         structure: &S,
         state: &mut State<R>,
     ) -> Result<CentralDifferenceMethod<R>> {
-        unconstrained(structure, "the central difference method")?;
         if self.renewal == 0 {
             return Err(Error::TooFew {
                 what: "number of steps after which the highest frequency is found anew",
@@ -65,12 +65,15 @@ impl<R: Real> Scheme<R> for CentralDifference {
         let workspace = prepare(structure, state)?;
         let unknowns = structure.unknowns();
         let mut mass = Matrix::zero(unknowns, true);
-        structure.add_mass(R::one(), &mut mass)?;
+        add_projection(structure, state.time, &state.displacement, &mut mass)?;
         let mut factor = Factor::new(unknowns.profile(), true);
         factor.factor(mass.stored())?;
         let n = unknowns.count();
         // Any direction that is not without a share of the fastest motion.
         let mode = (0..n).map(|i| R::lit((i as f64 + 1.0).sin())).collect();
+        let multipliers = structure.multipliers();
+        let held = unknowns.free().iter().enumerate();
+        let held = held.filter(|(_, i)| multipliers.contains(i));
         Ok(CentralDifferenceMethod {
             renewal: self.renewal,
             workspace,
@@ -79,6 +82,7 @@ impl<R: Real> Scheme<R> for CentralDifference {
             factor,
             mode,
             force: vec![R::zero(); n],
+            held: held.map(|(q, _)| q).collect(),
             limit: None,
             age: 0,
             step: R::zero(),
@@ -91,12 +95,15 @@ impl<R: Real> Scheme<R> for CentralDifference {
 pub struct CentralDifferenceMethod<R> {
     renewal: usize,
     workspace: Workspace<R>,
+    /// The mass, and beside it the derivatives of the constraints.
     mass: Matrix<R>,
     factor: Factor<R>,
     stiffness: Matrix<R>,
     /// The fastest motion, by unknowns.
     mode: Vec<R>,
     force: Vec<R>,
+    /// The unknowns that are multipliers.
+    held: Vec<usize>,
     /// Longest stable step, once known, and the steps taken since.
     limit: Option<R>,
     age: usize,
@@ -108,13 +115,23 @@ const SETTLED: f64 = 1e-4;
 const ITERATIONS: usize = 200;
 
 impl<R: Real> CentralDifferenceMethod<R> {
-    /// The square of the highest frequency by power iteration on `M^-1 K`.
+    /// The square of the highest frequency by power iteration on `M^-1 K`, within what the
+    /// constraints allow.
     fn highest<S: Structure<R>>(&mut self, structure: &S, now: &State<R>) -> Result<R> {
-        let k = &mut self.stiffness;
+        let (k, u) = (&mut self.stiffness, &now.displacement);
         k.clear();
-        structure.add_tangent(now.time, R::one(), &now.displacement, k)?;
+        structure.add_tangent(now.time, R::one(), u, k)?;
+        structure.add_curvature(now.time, R::one(), u, k)?;
+        if !self.held.is_empty() {
+            self.mass.clear();
+            add_projection(structure, now.time, u, &mut self.mass)?;
+            self.factor.factor(self.mass.stored())?;
+        }
         let mut square = R::zero();
         for _ in 0..ITERATIONS {
+            for q in &self.held {
+                self.mode[*q] = R::zero();
+            }
             let dot = |a: &[R], b: &[R]| a.iter().zip(b).map(|(a, b)| *a * *b).sum::<R>();
             self.mass.stored().mul_vec(&self.mode, &mut self.force)?;
             let kinetic = dot(&self.mode, &self.force);
@@ -124,24 +141,35 @@ impl<R: Real> CentralDifferenceMethod<R> {
             if (square - last).abs() <= square.abs() * R::lit(SETTLED) {
                 break;
             }
+            for q in &self.held {
+                self.force[*q] = R::zero();
+            }
             self.factor.solve(&mut self.force)?;
-            let size = dot(&self.force, &self.force).sqrt();
+            let size = norm(dot(&self.force, &self.force));
+            if size.is_zero() {
+                // Nothing but what the constraints hold.
+                break;
+            }
             for (mode, force) in self.mode.iter_mut().zip(&self.force) {
                 *mode = *force / size;
             }
         }
-        Ok(square)
+        Ok(square * structure.mass_factor())
     }
 }
 
 impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
     fn stable_step<S: Structure<R>>(&mut self, structure: &S, now: &State<R>) -> Result<Option<R>> {
         if self.limit.is_none() || self.age >= self.renewal {
-            let square = positive(
-                "square of the highest frequency [1/s^2]",
-                self.highest(structure, now)?,
-            )?;
-            self.limit = Some(R::lit(2.0) / square.sqrt());
+            let square = self.highest(structure, now)?;
+            self.limit = Some(match square <= R::zero() && !self.held.is_empty() {
+                // Rigid bodies have nothing that vibrates.
+                true => R::lit(f64::INFINITY),
+                false => {
+                    let what = "square of the highest frequency [1/s^2]";
+                    R::lit(2.0) / positive(what, square)?.sqrt()
+                }
+            });
             self.age = 0;
         }
         Ok(self.limit)
@@ -170,12 +198,19 @@ impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
             next.displacement[i] = now.displacement[i] + step * next.velocity[i];
         }
         structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
+        self.workspace.restore(structure, Some(now), next)?;
+        if !self.held.is_empty() {
+            for (v, moved) in next.velocity.iter_mut().zip(self.workspace.moved()) {
+                *v += *moved / step;
+            }
+        }
         self.workspace.accelerate(structure, next)?;
         for (v, a) in next.velocity.iter_mut().zip(&next.acceleration) {
             crate::error::finite("acceleration [1/s^2]", *a)?;
             *v += half * *a;
         }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
+        self.workspace.settle(structure, next)?;
         structure.check(&next.displacement)?;
         let ends = Sample::ends(now, next);
         next.work = now.work + self.workspace.work(structure, &ends, now, next)?;
@@ -187,6 +222,12 @@ impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
         mean_squares(structure, &next.displacement, |i| {
             share * (next.acceleration[i] - now.acceleration[i])
         })
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.limit)?;
+        tape.count(&mut self.age)?;
+        tape.numbers(&mut self.mode)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

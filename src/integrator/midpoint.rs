@@ -1,16 +1,21 @@
 //! The implicit midpoint rule: forces half way through the step. It is symplectic and keeps
 //! quadratic invariants, linear and angular momentum among them, at any step.
 
+use std::cell::RefCell;
+
+use super::held::{Held, Middle};
 use super::{Method, Scheme, end_by_mean, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{
-    Equations, Newton, Rate, Sample, Solved, State, Structure, Workspace, unconstrained,
-};
+use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Tape, Workspace};
 
 /// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
 /// `u_{n+1} - u_n = dt (v_n + v_{n+1}) / 2`. Second order, no dissipation. The
 /// [`acceleration`](State::acceleration) it leaves is the mean over the step.
+///
+/// Nonlinear constraints hold at the end of every step to rounding, their multipliers are the means
+/// over the step. Velocities obey them in the mean over a step, at its end to second order: bringing
+/// them onto the constraints would take energy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Midpoint {
     /// Newton's method within a step.
@@ -26,11 +31,22 @@ impl<R: Real> Scheme<R> for Midpoint {
         state: &mut State<R>,
     ) -> Result<MidpointMethod<R>> {
         self.newton.check()?;
-        unconstrained(structure, "the midpoint rule")?;
+        prepare(structure, state)?;
+        let mut middle = vec![R::zero(); state.displacement.len()];
+        let time = state.time;
+        let way = Middle {
+            structure,
+            from: &state.displacement,
+            held: Held {
+                at: time,
+                end: time,
+            },
+            end: RefCell::new(&mut middle),
+        };
         Ok(MidpointMethod {
             newton: self.newton,
-            workspace: prepare(structure, state)?,
-            middle: vec![R::zero(); state.displacement.len()],
+            workspace: Workspace::new(&way),
+            middle,
             mean: vec![R::zero(); state.displacement.len()],
             clock: Clock::default(),
         })
@@ -70,6 +86,11 @@ impl<R: Real> Clock<R> {
         let differs = self.step != Some(step);
         self.step = Some(step);
         differs
+    }
+
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.option(&mut self.step)?;
+        tape.option(&mut self.taken)
     }
 
     pub(super) fn accept(&mut self) {
@@ -119,6 +140,15 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
             self.workspace.forget();
         }
         let rate = R::one() / quarter;
+        let way = Middle {
+            structure,
+            from: &now.displacement,
+            held: Held {
+                at: halfway,
+                end: next.time,
+            },
+            end: RefCell::new(&mut next.displacement),
+        };
         let equations = Equations {
             time: halfway,
             factor: R::one(),
@@ -127,7 +157,10 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
         };
         let solved = self
             .workspace
-            .solve(structure, &self.newton, &equations, &mut self.middle)?;
+            .solve(&way, &self.newton, &equations, &mut self.middle)?;
+        for i in structure.multipliers() {
+            next.displacement[i] = self.middle[i];
+        }
         let corrected = (&self.mean[..], rate, self.workspace.moved());
         end_by_mean(structure, corrected, now, next, step)?;
         let middle = [Sample {
@@ -142,6 +175,11 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
 
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         self.clock.error(structure, now, next)
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        self.clock.history(tape)?;
+        self.workspace.history(self.newton.refresh, tape)
     }
 
     fn accept(&mut self, _now: &State<R>, _next: &State<R>) {

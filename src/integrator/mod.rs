@@ -1,6 +1,7 @@
 //! Time integration: one file per method behind [`Method`], and one driver for all of them with
 //! fixed, error-controlled or stability-bound steps and with events. A step allocates nothing; a
-//! failed or rejected step leaves the last good state untouched.
+//! failed or rejected step leaves the last good state untouched. Every method holds nonlinear
+//! constraints by Lagrange multipliers, of which the state keeps the last.
 //!
 //! | scheme | order | what it is for |
 //! |---|---|---|
@@ -11,34 +12,37 @@
 //! | [`Collocation::gauss`], [`Collocation::radau`] | 3 to 6 | accuracy; Radau's dissipates what it does not resolve |
 //! | [`CentralDifference`] | 2 | explicit: impacts and waves, steps below the stability limit |
 
+mod checkpoint;
 mod collocation;
 mod driver;
 mod energy_momentum;
-
 mod event;
 mod explicit;
+mod held;
 mod midpoint;
 mod newmark;
 mod observe;
+mod pace;
 mod stepping;
 
+pub use checkpoint::Checkpoint;
 pub use collocation::{Collocation, CollocationMethod};
 pub use driver::{Integration, RunReport};
 pub use energy_momentum::{EnergyMomentum, EnergyMomentumMethod};
-
 pub use event::Crossing;
 pub use explicit::{CentralDifference, CentralDifferenceMethod};
 pub use midpoint::{Midpoint, MidpointMethod};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
-pub use observe::{Observation, Step};
+pub use observe::{Ending, Log, Observation, Refusal, Silent, Step};
 pub use stepping::{Adaptive, Stepping};
 
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Rate, Solved, State, Structure, Workspace, norm};
+use crate::solver::{Rate, Solved, State, Structure, Tape, Workspace, norm};
 
-/// A time integration scheme: settings from which a run makes the [`Method`] at work.
-pub trait Scheme<R: Real> {
+/// A time integration scheme: settings from which a run makes the [`Method`] at work. Its `Debug`
+/// text names all of them: by it a [`Checkpoint`] knows the scheme it was taken from.
+pub trait Scheme<R: Real>: std::fmt::Debug {
     /// The scheme at work on a structure.
     type Method: Method<R>;
 
@@ -91,6 +95,13 @@ pub trait Method<R: Real> {
     /// both root-mean-squares over the coordinates in their natural sizes.
     fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R);
 
+    /// Shows the tape all that the next step depends on beside the state, so that a run can be
+    /// saved and resumed: each number once, always in the same order.
+    ///
+    /// # Errors
+    /// Those of the tape.
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()>;
+
     /// Tells the method that the step was taken: history moves on.
     fn accept(&mut self, now: &State<R>, next: &State<R>);
 }
@@ -137,7 +148,8 @@ fn impose_mean<R: Real, S: Structure<R>>(
 }
 
 /// Makes the end of a step, `next.time` its time, from the mean acceleration over it: that guessed
-/// and `rate` times what Newton's method corrected. The acceleration left is the mean.
+/// and `rate` times what Newton's method corrected. The acceleration left is the mean; multipliers
+/// stay as they are in `next`.
 fn end_by_mean<R: Real, S: Structure<R>>(
     structure: &S,
     (guess, rate, moved): (&[R], R, &[R]),
@@ -146,7 +158,14 @@ fn end_by_mean<R: Real, S: Structure<R>>(
     step: R,
 ) -> Result<()> {
     let half = step * R::lit(0.5);
+    let multipliers = structure.multipliers();
+    for i in multipliers.clone() {
+        (next.velocity[i], next.acceleration[i]) = (R::zero(), R::zero());
+    }
     for (i, moved) in moved.iter().enumerate() {
+        if multipliers.contains(&i) {
+            continue;
+        }
         let a = guess[i] + rate * *moved;
         let drift = step * (now.velocity[i] + half * a);
         next.acceleration[i] = a;

@@ -6,7 +6,7 @@
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Workspace};
+use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Tape, Workspace};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -254,6 +254,15 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
             };
             cube * (weight(3.0) * first + weight(1.0) * last)
         })
+    }
+
+    fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        for numbers in [&mut self.before, &mut self.auxiliary[0]] {
+            tape.numbers(numbers)?;
+        }
+        tape.option(&mut self.step_before)?;
+        tape.option(&mut self.step)?;
+        self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, now: &State<R>, _next: &State<R>) {

@@ -1,5 +1,8 @@
-//! What observers of a run see, and what they may answer.
+//! What observers and the log of a run see, and what observers may answer.
 
+use std::ops::ControlFlow;
+
+use super::RunReport;
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::State;
@@ -11,11 +14,27 @@ pub struct Step<'a, R> {
     pub before: &'a State<R>,
     /// State at its end.
     pub after: &'a State<R>,
+    /// What the run took so far, this step included.
+    pub report: &'a RunReport,
+    /// Start of the integration and end of the run under way (s).
+    pub(super) span: [R; 2],
     /// Order of the method, which that of the interpolation follows.
     pub(super) order: i32,
 }
 
 impl<R: Real> Step<'_, R> {
+    /// Length of the step (s).
+    pub fn length(&self) -> R {
+        self.after.time - self.before.time
+    }
+
+    /// Share of the way from the start of the integration, wherever it was resumed since, to the end
+    /// of the run under way: from 0 to 1.
+    pub fn share(&self) -> f64 {
+        let [start, end] = self.span;
+        ((self.after.time - start) / (end - start)).value().min(1.0)
+    }
+
     /// Whether a time (s) lies within the step: after its start, up to its end.
     pub fn contains(&self, time: R) -> bool {
         time > self.before.time && time <= self.after.time
@@ -54,23 +73,77 @@ impl<R: Real> Step<'_, R> {
     }
 }
 
-/// What an observer may return: nothing, or a [`Result`] whose error ends the run after the step.
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The end asked for is reached.
+    End,
+    /// The event happened.
+    Event,
+    /// The observer stopped the run, which can go on from there as if it had not been stopped.
+    Stopped,
+}
+
+/// What an observer may return: nothing, a [`ControlFlow`] whose `Break` stops the run after the
+/// step, or a [`Result`] of either, whose error ends the run after the step.
 pub trait Observation {
-    /// The observation as a result.
+    /// Whether the run goes on.
     ///
     /// # Errors
     /// The observer's own.
-    fn result(self) -> Result<()>;
+    fn flow(self) -> Result<ControlFlow<()>>;
 }
 
 impl Observation for () {
-    fn result(self) -> Result<()> {
-        Ok(())
+    fn flow(self) -> Result<ControlFlow<()>> {
+        Ok(ControlFlow::Continue(()))
     }
 }
 
-impl Observation for Result<()> {
-    fn result(self) -> Result<()> {
-        self
+impl Observation for ControlFlow<()> {
+    fn flow(self) -> Result<ControlFlow<()>> {
+        Ok(self)
+    }
+}
+
+impl<O: Observation> Observation for Result<O> {
+    fn flow(self) -> Result<ControlFlow<()>> {
+        self?.flow()
+    }
+}
+
+/// A step that was tried and not taken, as the [log](super::Integration::logging) sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Refusal<'a, R> {
+    /// Time at which the step began (s).
+    pub time: R,
+    /// Length of the step (s).
+    pub step: R,
+    /// Why it was not taken: [`Error::Inaccurate`] by error control, any other because the step's
+    /// equations could not be solved.
+    pub cause: &'a Error,
+    /// The step asked for instead (s), made shorter still where the end of the run is near; none
+    /// where the run ends with the cause.
+    pub retry: Option<R>,
+}
+
+/// Who is told of refused steps: a closure, or nobody.
+pub trait Log<R> {
+    /// Takes note of a refused step.
+    fn refused(&mut self, refusal: Refusal<'_, R>);
+}
+
+/// Nobody is told of refused steps.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl<R> Log<R> for Silent {
+    #[inline(always)]
+    fn refused(&mut self, _refusal: Refusal<'_, R>) {}
+}
+
+impl<R, F: FnMut(Refusal<'_, R>)> Log<R> for F {
+    fn refused(&mut self, refusal: Refusal<'_, R>) {
+        self(refusal);
     }
 }

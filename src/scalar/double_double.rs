@@ -36,7 +36,26 @@ mod elementary;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "[f64; 2]", into = "[f64; 2]")
+)]
 pub struct DoubleDouble(Quad);
+
+#[cfg(feature = "serde")]
+impl From<[f64; 2]> for DoubleDouble {
+    fn from([leading, rest]: [f64; 2]) -> Self {
+        Self::new(leading, rest)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<DoubleDouble> for [f64; 2] {
+    fn from(x: DoubleDouble) -> Self {
+        x.parts()
+    }
+}
 
 impl DoubleDouble {
     /// The sum of two doubles, exact to the last of the digits kept.

@@ -26,6 +26,9 @@ pub trait Lanes<R>: Algebra<R> {
     /// If it holds fewer.
     fn store(self, to: &mut [R]);
 
+    /// The sum of the numbers.
+    fn sum(self) -> R;
+
     /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
     /// lane of `columns[i]`.
     ///
@@ -33,12 +36,12 @@ pub trait Lanes<R>: Algebra<R> {
     /// If a row reaches beyond `x`.
     fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]);
 
-    /// Adds columns to the rows of the first `lanes` lanes: the reverse of
+    /// Adds columns to the rows of the lanes that have a start: the reverse of
     /// [`gather`](Self::gather), for rows that may overlap.
     ///
     /// # Panics
     /// If a row reaches beyond `x`.
-    fn scatter(columns: &[Self], lanes: usize, x: &mut [R], starts: impl Fn(usize) -> usize);
+    fn scatter(columns: &[Self], x: &mut [R], starts: impl Fn(usize) -> Option<usize>);
 }
 
 /// Work that [`Real::dispatch`] runs in the widest lanes there are.
@@ -67,13 +70,17 @@ impl<R: Real> Lanes<R> for R {
         to[0] = self;
     }
     #[inline(always)]
+    fn sum(self) -> R {
+        self
+    }
+    #[inline(always)]
     fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
         let start = starts(0);
         columns.copy_from_slice(&x[start..start + columns.len()]);
     }
     #[inline(always)]
-    fn scatter(columns: &[Self], _lanes: usize, x: &mut [R], starts: impl Fn(usize) -> usize) {
-        let start = starts(0);
+    fn scatter(columns: &[Self], x: &mut [R], starts: impl Fn(usize) -> Option<usize>) {
+        let Some(start) = starts(0) else { return };
         for (x, column) in x[start..start + columns.len()].iter_mut().zip(columns) {
             *x += *column;
         }
@@ -100,14 +107,15 @@ macro_rules! by_array {
             }
         }
         #[inline(always)]
-        fn scatter(columns: &[Self], lanes: usize, x: &mut [$r], starts: impl Fn(usize) -> usize) {
+        fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
             for (b, block) in columns.chunks($width).enumerate() {
                 let mut values = [[0.0; $width]; $width];
                 for (values, column) in values.iter_mut().zip(block) {
                     column.store(values);
                 }
-                for lane in 0..lanes {
-                    let start = starts(lane) + $width * b;
+                for lane in 0..$width {
+                    let Some(start) = starts(lane) else { continue };
+                    let start = start + $width * b;
                     for (x, values) in x[start..start + block.len()].iter_mut().zip(&values) {
                         *x += values[lane];
                     }
@@ -176,6 +184,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn store(self, to: &mut [$r]) {
                 to[..$width].copy_from_slice(&<[$r; $width]>::from(self.0));
+            }
+            #[inline(always)]
+            fn sum(self) -> $r {
+                <[$r; $width]>::from(self.0).into_iter().sum()
             }
             by_array!($r, $width);
         }

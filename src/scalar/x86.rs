@@ -186,6 +186,10 @@ macro_rules! register {
                 let to = &mut to[..$width];
                 unsafe { $store(to.as_mut_ptr(), self.0) }
             }
+            #[inline(always)]
+            fn sum(self) -> $r {
+                self.to_array().into_iter().sum()
+            }
             const WIDTH: usize = $width;
 
             #[inline(always)]
@@ -220,14 +224,9 @@ macro_rules! register {
                 }
             }
             #[inline(always)]
-            fn scatter(
-                columns: &[Self],
-                lanes: usize,
-                x: &mut [$r],
-                starts: impl Fn(usize) -> usize,
-            ) {
-                let mut rows = [0; $width];
-                for (lane, row) in rows.iter_mut().enumerate().take(lanes) {
+            fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
+                let mut rows = [None; $width];
+                for (lane, row) in rows.iter_mut().enumerate() {
                     *row = starts(lane);
                 }
                 for (b, block) in columns.chunks(TILE).enumerate() {
@@ -235,14 +234,17 @@ macro_rules! register {
                     for (values, column) in values.iter_mut().zip(block) {
                         column.store(values);
                     }
-                    for first in (0..lanes).step_by(TILE) {
+                    for first in (0..$width).step_by(TILE) {
                         let mut tile = [[0.0; TILE]; TILE];
                         for j in 0..TILE {
                             tile[j].copy_from_slice(&values[j][first..first + TILE]);
                         }
                         unsafe { $tile(&mut tile) };
-                        for lane in 0..TILE.min(lanes - first) {
-                            let row = &mut x[rows[first + lane] + TILE * b..][..block.len()];
+                        for lane in 0..TILE {
+                            let Some(start) = rows[first + lane] else {
+                                continue;
+                            };
+                            let row = &mut x[start + TILE * b..][..block.len()];
                             match <&mut [$r; TILE]>::try_from(&mut *row) {
                                 Ok(row) => (0..TILE).for_each(|j| row[j] += tile[lane][j]),
                                 Err(_) => (0..row.len()).for_each(|j| row[j] += tile[lane][j]),

@@ -227,6 +227,12 @@ where
             each(first..last + 1, &self.link(first).kernel, &columns);
         }
     }
+
+    /// The first coordinate of each of a group's elements, by lanes.
+    #[inline(always)]
+    fn starts_in(&self, elements: Range<usize>) -> impl Fn(usize) -> Option<usize> {
+        move |lane| (lane < elements.len()).then(|| self.range(elements.start + lane).start)
+    }
 }
 
 /// Adds the elastic forces of a chain's elements.
@@ -253,8 +259,7 @@ where
             |elements, kernel, u| {
                 let mut force = [[L::zero(); D]; S];
                 kernel.force(u, &mut force);
-                let start = |lane| chain.range(elements.start + lane).start;
-                L::scatter(force.as_flattened(), elements.len(), q, start);
+                L::scatter(force.as_flattened(), q, chain.starts_in(elements));
             },
         );
     }
@@ -289,9 +294,17 @@ where
                 let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
                 kernel.tangent(u, &mut force, &mut tangent);
                 let block = tangent.as_flattened().as_flattened().as_flattened();
-                let start = |lane| chain.range(elements.start + lane).start;
+                let start = chain.starts_in(elements);
                 if result.is_ok() {
-                    result = add_blocks::<R, L, D, S>(k, elements.len(), start, block);
+                    result = k.add_blocks(S * D, block, &start);
+                }
+                for lane in 0..L::WIDTH {
+                    match start(lane).filter(|offset| !k.takes_blocks(*offset, S * D)) {
+                        Some(offset) if result.is_ok() => {
+                            result = add_lane::<R, L, D, S>(k, lane, offset, block);
+                        }
+                        _ => {}
+                    }
                 }
             },
         );
@@ -299,33 +312,21 @@ where
     }
 }
 
-/// Adds the tangents of the elements in the first `lanes` lanes, one by one where they do not go
-/// together.
+/// Adds the tangent of the element in one lane.
 #[inline(always)]
-fn add_blocks<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
+fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     k: &mut Matrix<R>,
-    lanes: usize,
-    start: impl Fn(usize) -> usize,
+    lane: usize,
+    offset: usize,
     block: &[L],
 ) -> Result<()> {
-    if k.add_blocks(lanes, &start, S * D, block)? {
-        return Ok(());
-    }
-    const { assert!(L::WIDTH <= 16) };
-    for lane in 0..lanes {
-        let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-        let own = tangent
-            .as_flattened_mut()
-            .as_flattened_mut()
-            .as_flattened_mut();
-        for (own, all) in own.iter_mut().zip(block) {
-            let mut values = [R::zero(); 16];
-            all.store(&mut values);
-            *own = values[lane];
-        }
-        k.add_block(start(lane), S * D, own)?;
-    }
-    Ok(())
+    let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+    let own = tangent
+        .as_flattened_mut()
+        .as_flattened_mut()
+        .as_flattened_mut();
+    L::scatter(block, own, |other| (other == lane).then_some(0));
+    k.add_block(offset, S * D, own)
 }
 
 impl<R, E, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, E, Kn, D, S>

@@ -1,8 +1,9 @@
 //! Rigid bodies and point masses in natural coordinates: position and slopes, as in a node of a
 //! beam, so that joints to beams, loads and motions take them as they are. The mass matrix is
-//! constant, and rigidity is a nonlinear constraint like any other (Garcia de Jalon and Bayo 1994):
-//! what fixes a body's slopes besides (a hinge or weld of two bodies, a clamp) says twice that they
-//! keep their length, and is refused as redundant. Bodies take spherical joints with each other.
+//! constant, and rigidity is a nonlinear constraint like any other (Garcia de Jalon and Bayo 1994).
+//! What fixes a body's slopes besides (a hinge or weld of two bodies, a clamp, a closed loop) says
+//! again that they keep their length: such conditions are found when the system is assembled, and
+//! not solved for.
 
 use std::ops::Range;
 

@@ -5,7 +5,7 @@
 use super::System;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
-use crate::solver::{Matrix, Rate, Structure, Unknowns, unconstrained};
+use crate::solver::{Matrix, Rate, Structure, Unknowns};
 use crate::tensor::cross;
 
 /// A [`System`] in a frame that turns about an axis through the origin with constant angular
@@ -51,7 +51,12 @@ impl<R: Real, const D: usize> System<R, D> {
         for component in omega {
             finite("component of an angular velocity [rad/s]", component)?;
         }
-        unconstrained(self, "a rotating frame")?;
+        if !self.multipliers().is_empty() {
+            return Err(Error::Unsupported {
+                what: "nonlinear constraints in a rotating frame".into(),
+                remedy: "use linear joints, or integrate the system itself with System::set_rigid_velocity",
+            });
+        }
         if !self.has_mass() {
             return Err(Error::Unsupported {
                 what: "centrifugal forces without mass".into(),

@@ -17,7 +17,7 @@ use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{Matrix, Rate, Secant, State, Structure, Unknowns, Workspace};
+use crate::solver::{Condition, Matrix, Rate, Secant, State, Structure, Unknowns, Workspace, held};
 use crate::tensor::{add_scaled, cross, sum};
 
 /// Energy balance of a state (J).
@@ -97,11 +97,6 @@ impl<R: Real, const D: usize> System<R, D> {
             constraint.number(all);
             all += constraint.count();
         }
-        let unknowns = Unknowns::with_multipliers(all, size..all, conditions, |tell| {
-            bodies.iter().for_each(|body| body.elastic().couple(tell));
-            connectors.iter().for_each(|link| link.couple(tell));
-            constraints.iter().for_each(|hold| hold.couple(tell));
-        })?;
         let mut reference = vec![R::zero(); all];
         let mut measure = vec![R::one(); all];
         // Rigid bodies are measured by the beams they are joined to.
@@ -117,6 +112,19 @@ impl<R: Real, const D: usize> System<R, D> {
                     *unit = if length.is_zero() { longest } else { length };
                 }
             }
+        }
+        let couple = |tell: &mut dyn FnMut(&[Range<usize>])| {
+            bodies.iter().for_each(|body| body.elastic().couple(tell));
+            connectors.iter().for_each(|link| link.couple(tell));
+            constraints.iter().for_each(|hold| hold.couple(tell));
+        };
+        let number =
+            |conditions: Vec<_>| Unknowns::with_multipliers(all, size..all, conditions, couple);
+        let mut unknowns = number(conditions.clone())?;
+        let redundant = saddle::redundant(&unknowns, &courses, &measure, &constraints)?;
+        if !redundant.is_empty() {
+            let idle = redundant.iter().map(|(i, _)| Condition::fixed(*i));
+            unknowns = number(conditions.into_iter().chain(idle).collect())?;
         }
         let massive = bodies.iter().filter(|b| b.has_mass()).count();
         if massive > 0 && massive < bodies.len() {
@@ -172,6 +180,7 @@ impl<R: Real, const D: usize> System<R, D> {
             weight,
         };
         system.scale_constraints()?;
+        system.confirm(&redundant)?;
         Ok(system)
     }
 
@@ -401,7 +410,7 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             "{} {plural} in {D} dimensions, {} coordinates, {} of them held by supports and joints",
             self.bodies.len(),
             self.multipliers().start,
-            self.reference.len() - self.unknowns.count()
+            self.multipliers().start + held(self) - self.unknowns.count()
         )?;
         for body in &self.bodies {
             writeln!(f, "  {}", body.describe())?;
@@ -413,7 +422,12 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             writeln!(f, "  connectors: {}", self.connectors.len())?;
         }
         if !self.constraints.is_empty() {
-            writeln!(f, "  nonlinear constraints: {}", self.multipliers().len())?;
+            let all = self.multipliers().len();
+            write!(f, "  nonlinear constraints: {all}")?;
+            match all - held(self) {
+                0 => writeln!(f)?,
+                idle => writeln!(f, ", {idle} of them implied by the others")?,
+            }
         }
         write!(f, "  symmetric tangent: {}", on(self.symmetric()))
     }
@@ -443,25 +457,30 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         }
     }
 
-    fn violation(&self, rate: Rate, state: &State<R>, out: &mut [R]) {
+    fn add_holding_tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let mut constraints = self.constraints.iter();
+        constraints.try_for_each(|constraint| constraint.tangent(time, u, k))
+    }
+
+    fn violation(&self, time: R, motion: &[&[R]], out: &mut [R]) {
         for constraint in &self.constraints {
-            constraint.violation(rate, state, &mut |i, value, scale| out[i] = scale * value);
+            constraint.violation(time, motion, &mut |i, value, scale| out[i] = scale * value);
         }
     }
 
-    fn add_projection(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<R> {
-        self.add_mass(self.mass_factor, k)?;
-        let mut result = Ok(());
+    fn gradient(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, usize, R)) {
         for constraint in &self.constraints {
-            constraint.gradient(time, u, &mut |multiplier, i, slope| {
-                for (i, j) in [(multiplier, i), (i, multiplier)] {
-                    let added = k.add(i, j, slope);
-                    result = std::mem::replace(&mut result, Ok(())).and(added);
-                }
-            });
+            constraint.gradient(time, motion, tell);
         }
-        result?;
-        Ok(self.mass_factor)
+    }
+
+    fn add_curvature(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let mut constraints = self.constraints.iter();
+        constraints.try_for_each(|constraint| constraint.curvature(time, factor, u, k))
+    }
+
+    fn mass_factor(&self) -> R {
+        self.mass_factor
     }
 
     fn measure(&self) -> &[R] {
@@ -508,9 +527,6 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         }
         for link in &self.connectors {
             link.tangent(u, k)?;
-        }
-        for constraint in &self.constraints {
-            constraint.tangent(time, u, k)?;
         }
         for load in &self.loads {
             let amplitude = factor * load.amplitude(time)?;

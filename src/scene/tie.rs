@@ -13,7 +13,7 @@ use crate::element::NodalVector;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Tangent, varied};
 use crate::scalar::{Algebra, Real};
-use crate::solver::{Matrix, Rate, State};
+use crate::solver::Matrix;
 
 /// `M` conditions `g(t, x) = 0` on `V` nodal vectors `x` in their current values, positions (m) or
 /// slopes, to be placed by [`Scene::bind`](super::Scene::bind).
@@ -119,8 +119,9 @@ impl<R: Real, const D: usize> Scene<R, D> {
     /// ```
     ///
     /// # Errors
-    /// When there is no such node or nodal vector. Conditions that vanish nowhere nearby, say the
-    /// same as others, or have no derivative are found when the system is assembled or solved.
+    /// When there is no such node or nodal vector. Conditions that contradict others or have no
+    /// derivative are found when the system is assembled or solved; those that say the same as
+    /// others are left out.
     pub fn bind<C, const V: usize, const M: usize>(
         &mut self,
         vectors: [(Node, NodalVector); V],
@@ -297,12 +298,16 @@ pub(super) trait Holding<R: Real>: Debug + Send + Sync {
     fn number(&mut self, first: usize);
     /// Scales its conditions by stiffnesses.
     fn scale(&mut self, scales: &[R]);
-    /// Tells every derivative of a condition by a coordinate.
-    fn gradient(&self, time: R, u: &[R], tell: &mut dyn FnMut(usize, usize, R));
+    /// Tells every derivative of a condition by a coordinate, scaled, or along `[u, v]` its rate.
+    fn gradient(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, usize, R));
     fn force(&self, time: R, u: &[R], q: &mut [R]);
     fn tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()>;
-    /// The conditions or rates of them in a state, with the multiplier and scale of each.
-    fn violation(&self, rate: Rate, state: &State<R>, tell: &mut dyn FnMut(usize, R, R));
+    /// Adds `factor` times the derivative of the forces of the multipliers alone by the coordinates
+    /// held.
+    fn curvature(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()>;
+    /// The conditions on displacements, or their rates where those are given, too, with the
+    /// multiplier and scale of each.
+    fn violation(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, R, R));
     fn couple(&self, tell: &mut dyn FnMut(&[Range<usize>]));
 }
 
@@ -350,16 +355,53 @@ where
         std::array::from_fn(|m| self.scale[m] * (u[self.first + m] + g[m]))
     }
 
-    /// Conditions on the way `x + tau v + tau^2 a / 2` from a state.
-    fn on_the_way<T: Algebra<R>>(&self, tau: T, state: &State<R>) -> [T; M] {
-        let [u, v, a] = [&state.displacement, &state.velocity, &state.acceleration]
-            .map(|x| self.places.gather(x));
-        let half = (tau * tau).times(R::lit(0.5));
-        let u = std::array::from_fn(|i| {
-            std::array::from_fn(|c| T::lift(u[i][c]) + tau.times(v[i][c]) + half.times(a[i][c]))
-        });
-        let time = T::lift(state.time) + tau;
-        self.constraint.residual(time, &self.places.current(&u))
+    /// Time and nodal vectors `x + tau v + tau^2 a / 2` on the way, as far as the motion is given.
+    fn on_the_way<T: Algebra<R>>(&self, tau: T, time: R, motion: &[&[R]]) -> (T, [[T; D]; V]) {
+        let mut u = [[T::zero(); D]; V];
+        let mut weight = T::one();
+        for (k, rate) in motion.iter().enumerate() {
+            if k > 0 {
+                weight = (weight * tau).times(R::lit(k as f64).recip());
+            }
+            let rate = self.places.gather(rate);
+            for i in 0..V {
+                for c in 0..D {
+                    u[i][c] += weight.times(rate[i][c]);
+                }
+            }
+        }
+        (T::lift(time) + tau, self.places.current(&u))
+    }
+
+    /// Derivative by the nodal vectors of the conditions' forces at fixed `forces` per unit of
+    /// derivative.
+    fn bend(&self, time: R, x: &[[R; D]; V], forces: &[R; M]) -> Tangent<R, D, V> {
+        let mut tangent: Tangent<R, D, V> = [[[[R::zero(); D]; V]; D]; V];
+        for j in 0..V {
+            let (_, dual) = self.derivatives(time.constant::<D>(), &varied(x, j));
+            for m in 0..M {
+                for i in 0..V {
+                    for c in 0..D {
+                        for d in 0..D {
+                            let bend = R::derivative::<D>(&dual[m][i][c], d);
+                            tangent[i][c][j][d] += forces[m] * bend;
+                        }
+                    }
+                }
+            }
+        }
+        tangent
+    }
+
+    /// Tells derivatives of the conditions by the coordinates, scaled.
+    fn tell(&self, slopes: &[[[R; D]; V]; M], tell: &mut dyn FnMut(usize, usize, R)) {
+        for m in 0..M {
+            for (start, slope) in self.places.starts.iter().zip(&slopes[m]) {
+                for c in 0..D {
+                    tell(self.first + m, start + c, self.scale[m] * slope[c]);
+                }
+            }
+        }
     }
 }
 
@@ -390,15 +432,16 @@ where
         }
     }
 
-    fn gradient(&self, time: R, u: &[R], tell: &mut dyn FnMut(usize, usize, R)) {
-        let (_, slopes) = self.derivatives(time, &self.at(u));
-        for m in 0..M {
-            for (start, slope) in self.places.starts.iter().zip(&slopes[m]) {
-                for c in 0..D {
-                    tell(self.first + m, start + c, self.scale[m] * slope[c]);
-                }
-            }
+    fn gradient(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, usize, R)) {
+        if let [u] = motion {
+            let (_, slopes) = self.derivatives(time, &self.at(u));
+            return self.tell(&slopes, tell);
         }
+        let once = R::zero().variable::<1>(0);
+        let (time, x) = self.on_the_way(once, time, motion);
+        let (_, slopes) = self.derivatives(time, &x);
+        let rate = |slope: Once<R>| R::derivative::<1>(&slope, 0);
+        self.tell(&slopes.map(|all| all.map(|slope| slope.map(rate))), tell);
     }
 
     fn force(&self, time: R, u: &[R], q: &mut [R]) {
@@ -417,47 +460,51 @@ where
     fn tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         let x = self.at(u);
         let (g, slopes) = self.derivatives(time, &x);
-        let forces = self.forces(u, &g);
-        let mut tangent: Tangent<R, D, V> = [[[[R::zero(); D]; V]; D]; V];
-        for j in 0..V {
-            let (_, dual) = self.derivatives(time.constant::<D>(), &varied(&x, j));
-            for m in 0..M {
-                for i in 0..V {
-                    for c in 0..D {
-                        let push = self.scale[m] * slopes[m][i][c];
+        let mut tangent = self.bend(time, &x, &self.forces(u, &g));
+        for m in 0..M {
+            for i in 0..V {
+                for c in 0..D {
+                    let push = self.scale[m] * slopes[m][i][c];
+                    for j in 0..V {
                         for d in 0..D {
-                            let bend = R::derivative::<D>(&dual[m][i][c], d);
-                            tangent[i][c][j][d] += forces[m] * bend + push * slopes[m][j][d];
+                            tangent[i][c][j][d] += push * slopes[m][j][d];
                         }
                     }
                 }
             }
         }
         add_tangent(&self.places.starts, &tangent, k)?;
-        for m in 0..M {
-            for (start, slope) in self.places.starts.iter().zip(&slopes[m]) {
-                for c in 0..D {
-                    let entry = self.scale[m] * slope[c];
-                    k.add(self.first + m, start + c, entry)?;
-                    k.add(start + c, self.first + m, entry)?;
+        let mut result = Ok(());
+        self.tell(&slopes, &mut |multiplier, i, slope| {
+            for (i, j) in [(multiplier, i), (i, multiplier)] {
+                if result.is_ok() {
+                    result = k.add(i, j, slope);
                 }
             }
-        }
-        Ok(())
+        });
+        result
     }
 
-    fn violation(&self, rate: Rate, state: &State<R>, tell: &mut dyn FnMut(usize, R, R)) {
+    fn curvature(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let forces = self.forces(u, &[R::zero(); M]).map(|q| factor * q);
+        let tangent = self.bend(time, &self.at(u), &forces);
+        add_tangent(&self.places.starts, &tangent, k)
+    }
+
+    fn violation(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, R, R)) {
         let once = || R::zero().variable::<1>(0);
-        let values: [R; M] = match rate {
-            Rate::Displacement => self
-                .constraint
-                .residual(state.time, &self.at(&state.displacement)),
-            Rate::Velocity => self
-                .on_the_way(once(), state)
-                .map(|g| R::derivative::<1>(&g, 0)),
-            Rate::Acceleration => self
-                .on_the_way(once().variable::<1>(0), state)
-                .map(|g| R::derivative::<1>(&<Once<R> as Algebra<R>>::derivative::<1>(&g, 0), 0)),
+        let values: [R; M] = match motion {
+            [u] => self.constraint.residual(time, &self.at(u)),
+            [_, _] => {
+                let (time, x) = self.on_the_way(once(), time, motion);
+                let g = self.constraint.residual(time, &x);
+                g.map(|g| R::derivative::<1>(&g, 0))
+            }
+            _ => {
+                let (time, x) = self.on_the_way(once().variable::<1>(0), time, motion);
+                let g = self.constraint.residual(time, &x);
+                g.map(|g| R::derivative::<1>(&<Once<R> as Algebra<R>>::derivative::<1>(&g, 0), 0))
+            }
         };
         for (m, value) in values.into_iter().enumerate() {
             tell(self.first + m, value, self.scale[m]);

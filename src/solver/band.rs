@@ -33,6 +33,7 @@ pub use profile::Profile;
 
 use super::sparse::{SparseLdlt, SparseMatrix};
 use super::stored::Stored;
+use super::tape::Tape;
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use ldlt::Ldlt;
@@ -145,7 +146,7 @@ impl<R: Real> Factor<R> {
         self.profile.check_same(matrix.profile())?;
         if matrix.is_symmetric()
             && let Some(ldlt) = &mut self.ldlt
-            && ldlt.factor(&self.profile, matrix)?
+            && ldlt.factor(matrix)?
         {
             self.held = Held::Ldlt;
             return Ok(());
@@ -163,7 +164,7 @@ impl<R: Real> Factor<R> {
     /// matrix has been factorised.
     pub fn solve(&mut self, x: &mut [R]) -> Result<()> {
         Error::check_length("right-hand side", x.len(), self.profile.size())?;
-        match (self.held, &self.ldlt, &self.sparse, &mut self.lu) {
+        match (self.held, &mut self.ldlt, &self.sparse, &mut self.lu) {
             (Held::Ldlt, Some(ldlt), ..) => ldlt.solve(&self.profile, x),
             (Held::Sparse, _, Some(sparse), _) => sparse.solve(x),
             (Held::Lu, .., Some(lu)) => lu.solve(&self.profile, x),
@@ -174,6 +175,31 @@ impl<R: Real> Factor<R> {
                 });
             }
         }
+        Ok(())
+    }
+
+    /// The factors of the last matrix, if there are any, to a tape or from it.
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        const ALL: [Held; 4] = [Held::Nothing, Held::Ldlt, Held::Sparse, Held::Lu];
+        let mut held = self.held as usize;
+        tape.index(&mut held, 0..=ALL.len() - 1)?;
+        self.held = Held::Nothing;
+        match (ALL[held], &mut self.ldlt, &mut self.sparse) {
+            (Held::Nothing, ..) => {}
+            (Held::Ldlt, Some(ldlt), _) => ldlt.history(tape)?,
+            (Held::Sparse, _, Some(sparse)) => sparse.history(tape)?,
+            (Held::Lu, ..) => {
+                let lu = self.lu.get_or_insert_with(|| Lu::new(&self.profile));
+                lu.history(tape)?;
+            }
+            _ => {
+                return Err(Error::Unsupported {
+                    what: "factors that were made for a matrix stored in another way".into(),
+                    remedy: "resume with the system that the checkpoint was taken from",
+                });
+            }
+        }
+        self.held = ALL[held];
         Ok(())
     }
 

@@ -11,6 +11,10 @@ use crate::scalar::Real;
 pub(super) trait Operator<R> {
     /// Length of the vectors.
     fn size(&self) -> usize;
+    /// Dimension of what the operator leads to.
+    fn rank(&self) -> usize {
+        self.size()
+    }
     /// `y = A x`.
     fn apply(&mut self, x: &[R], y: &mut [R]) -> Result<()>;
     /// `y = P x`.
@@ -99,7 +103,7 @@ struct Block<R> {
 impl<R: Real> Block<R> {
     fn random<O: Operator<R>>(operator: &mut O, count: usize) -> Result<Self> {
         let size = operator.size();
-        let count = count.min(size);
+        let count = count.min(operator.rank());
         let vectors = || vec![vec![R::zero(); size]; count];
         let mut random = Random(0x9e37_79b9_7f4a_7c15);
         let mut images = vectors();

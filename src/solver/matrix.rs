@@ -79,33 +79,47 @@ impl<R: Real> Matrix<R> {
             return self.stored.add_block(first, n, block);
         }
         for (i, row) in block.chunks_exact(n).enumerate() {
-            for (j, value) in row.iter().enumerate() {
-                self.add(offset + i, offset + j, *value)?;
+            let mut j = 0;
+            while j < n {
+                let (p, q) = (offset + i, offset + j);
+                let stretch = self.unknowns.stretch(q, n - j);
+                match (self.unknowns.combination(p), stretch) {
+                    (Combination::Unknown(p), Some(unknowns)) => {
+                        let values = &row[j..j + unknowns.len()];
+                        self.stored.add_row(p, unknowns.start, values)?;
+                        j += unknowns.len();
+                    }
+                    _ => {
+                        self.add(p, q, row[j])?;
+                        j += 1;
+                    }
+                }
             }
         }
         Ok(())
     }
 
-    /// Adds the matrices of `lanes` elements of `n` coordinates each, numbered consecutively from
-    /// `offset(lane)`: the entries of `block`, row-major and full. False, and nothing done, where
-    /// the coordinates are not unknowns in a row of an envelope.
+    /// Whether [`add_blocks`](Self::add_blocks) adds the matrices of elements whose `n` coordinates
+    /// are numbered consecutively from `offset`.
+    #[inline(always)]
+    pub(crate) fn takes_blocks(&self, offset: usize, n: usize) -> bool {
+        !self.stored.is_sparse() && self.unknowns.run(offset, n).is_some()
+    }
+
+    /// Adds the matrices of the elements in the lanes that have a start, the first of `n`
+    /// coordinates numbered consecutively, where those are unknowns in a row of an envelope. The
+    /// entries of `block` are row-major and full.
     #[inline(always)]
     pub(crate) fn add_blocks<L: Lanes<R>>(
         &mut self,
-        lanes: usize,
-        offset: impl Fn(usize) -> usize,
         n: usize,
         block: &[L],
-    ) -> Result<bool> {
+        start: impl Fn(usize) -> Option<usize>,
+    ) -> Result<()> {
         let Self { unknowns, stored } = self;
-        let in_a_row = |lane| unknowns.run(offset(lane), n).is_some();
         match stored.envelope() {
-            Some(envelope) if (0..lanes).all(in_a_row) => {
-                let first = |lane| unknowns.run(offset(lane), n).unwrap_or(0);
-                envelope.add_blocks(lanes, first, n, block)?;
-                Ok(true)
-            }
-            _ => Ok(false),
+            Some(envelope) => envelope.add_blocks(n, block, |lane| unknowns.run(start(lane)?, n)),
+            None => Ok(()),
         }
     }
 

@@ -17,6 +17,7 @@ mod state;
 mod statics;
 mod stored;
 mod structure;
+mod tape;
 mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
@@ -30,6 +31,8 @@ pub use path::{Control, Path, PathPoint, PathReport, Target};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;
-pub(crate) use structure::unconstrained;
 pub use structure::{Rate, Secant, Structure};
+pub(crate) use structure::{add_projection, each_gradient, held};
+pub use tape::{Record, Tape};
+pub(crate) use unknowns::dependent;
 pub use unknowns::{Condition, Unknowns};

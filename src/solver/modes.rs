@@ -6,7 +6,7 @@ use super::band::Factor;
 use super::eigen::{Goal, Operator, Pair, dominant};
 use super::matrix::Matrix;
 use super::newton::norm;
-use super::structure::unconstrained;
+use super::structure::held;
 use super::{State, Structure};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
@@ -95,7 +95,8 @@ impl Modes {
     /// `K phi = omega^2 M phi`, and with gyroscopic forces (a structure seen from a rotating frame)
     /// `(K + i omega G - omega^2 M) phi = 0`, of whose complex shape one phase is given. The state
     /// should be an equilibrium; rigid modes come out with frequencies near zero, modes of an
-    /// unstable equilibrium with negative squares.
+    /// unstable equilibrium with negative squares. Nonlinear constraints are taken as they are at the
+    /// state, which should obey them.
     ///
     /// # Errors
     /// [`Error::Unsupported`] without mass, for an unsymmetric tangent, or for gyroscopic forces
@@ -107,8 +108,7 @@ impl Modes {
         state: &State<R>,
         factor: R,
     ) -> Result<Vec<Mode<R>>> {
-        unconstrained(structure, "natural frequencies")?;
-        let goal = self.goal(structure.unknowns().count())?;
+        let goal = self.goal(freedom(structure))?;
         if !structure.has_mass() {
             return Err(Error::Unsupported {
                 what: "natural frequencies without mass".into(),
@@ -136,6 +136,7 @@ impl Modes {
             matrix: stiffness.clone(),
             stiffness,
             mass,
+            held: Multipliers::of(structure),
             shift: 0.0,
         };
         inverse.below(1e-8_f64.max(R::EPSILON) * largest)?;
@@ -160,7 +161,7 @@ impl Modes {
     /// stability if its stiffness went on changing as it does there, the closest first, whatever
     /// their sign: `(K + (lambda - factor) dK/dlambda) phi = 0` along the path of equilibria. From
     /// the unloaded state this is classical linear buckling; from a state near the critical one it
-    /// is accurate for any path.
+    /// is accurate for any path. Nonlinear constraints hold in the directions they have at the state.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for an unsymmetric tangent, an unstable state, or a load that changes
@@ -171,15 +172,17 @@ impl Modes {
         state: &State<R>,
         factor: R,
     ) -> Result<Vec<Mode<R>>> {
-        unconstrained(structure, "linear buckling")?;
         let unknowns = structure.unknowns();
-        let goal = self.goal(unknowns.count())?;
+        let goal = self.goal(freedom(structure))?;
         let stiffness = tangent(structure, state, factor)?;
-        let factored = definite(&stiffness, "buckling from an unstable or singular state")?;
+        let held = Multipliers::of(structure);
+        let what = "buckling from an unstable or singular state";
+        let factored = definite(&stiffness, &held, what)?;
         let mut inverse = Buckling {
             factor: factored,
             change: Matrix::zero(unknowns, true),
             stiffness,
+            held,
         };
         // The path's direction, and a step along it that leaves as many digits as truncation does.
         let mut load = vec![R::zero(); unknowns.coordinates()];
@@ -228,15 +231,57 @@ fn tangent<R: Real, S: Structure<R>>(
         });
     }
     let mut matrix = Matrix::zero(structure.unknowns(), true);
-    structure.add_tangent(state.time, factor, &state.displacement, &mut matrix)?;
+    let (time, u) = (state.time, &state.displacement);
+    structure.add_tangent(time, factor, u, &mut matrix)?;
+    structure.add_holding_tangent(time, u, &mut matrix)?;
     Ok(matrix)
 }
 
-/// The factors of a matrix that must be positive definite.
-fn definite<R: Real>(matrix: &Matrix<R>, what: &str) -> Result<Factor<R>> {
+/// How many independent motions a structure has.
+fn freedom<R: Real, S: Structure<R>>(structure: &S) -> usize {
+    let unknowns = structure.unknowns().count();
+    unknowns.saturating_sub(2 * held(structure))
+}
+
+/// The unknowns that are multipliers. Matrices with constraints are saddle points: solving with
+/// them leads to what the constraints allow, if multipliers are left out on both sides.
+#[derive(Debug)]
+struct Multipliers(Vec<usize>);
+
+impl Multipliers {
+    fn of<R: Real, S: Structure<R>>(structure: &S) -> Self {
+        let multipliers = structure.multipliers();
+        let unknowns = structure.unknowns().free().iter().enumerate();
+        let held = unknowns.filter(|(_, i)| multipliers.contains(i));
+        Self(held.map(|(q, _)| q).collect())
+    }
+
+    fn leave_out<R: Real>(&self, x: &mut [R]) {
+        for q in &self.0 {
+            x[*q] = R::zero();
+        }
+    }
+
+    /// Solves within what the constraints allow.
+    fn solve<R: Real>(&self, factor: &mut Factor<R>, x: &mut [R]) -> Result<()> {
+        self.leave_out(x);
+        factor.solve(x)?;
+        self.leave_out(x);
+        Ok(())
+    }
+
+    /// Whether factors are those of a matrix that is positive definite where the constraints allow
+    /// motion: each of these brings one negative eigenvalue.
+    fn definite<R: Real>(&self, factor: &Factor<R>) -> bool {
+        factor.inertia() == Some(self.0.len())
+    }
+}
+
+/// The factors of a matrix that must be positive definite where the constraints allow motion.
+fn definite<R: Real>(matrix: &Matrix<R>, held: &Multipliers, what: &str) -> Result<Factor<R>> {
     let mut factor = Factor::new(matrix.stored().profile(), true);
     match factor.factor(matrix.stored()) {
-        Ok(()) if factor.inertia() == Some(0) => Ok(factor),
+        Ok(()) if held.definite(&factor) => Ok(factor),
         Ok(()) | Err(Error::Singular { .. }) => Err(Error::Unsupported {
             what: what.into(),
             remedy: "start from a stable equilibrium with enough supports",
@@ -286,6 +331,7 @@ struct Shifted<R> {
     /// `K - shift M`.
     matrix: Matrix<R>,
     factor: Factor<R>,
+    held: Multipliers,
     shift: f64,
 }
 
@@ -298,7 +344,7 @@ impl<R: Real> Shifted<R> {
             self.matrix.scale_add(R::one(), &self.stiffness)?;
             self.matrix.scale_add(R::lit(distance), &self.mass)?;
             match self.factor.factor(self.matrix.stored()) {
-                Ok(()) if self.factor.inertia() == Some(0) => return Ok(()),
+                Ok(()) if self.held.definite(&self.factor) => return Ok(()),
                 Ok(()) | Err(Error::Singular { .. }) => distance *= 10.0,
                 Err(error) => return Err(error),
             }
@@ -320,9 +366,13 @@ impl<R: Real> Operator<R> for Shifted<R> {
         self.mass.stored().size()
     }
 
+    fn rank(&self) -> usize {
+        self.size() - 2 * self.held.0.len()
+    }
+
     fn apply(&mut self, x: &[R], y: &mut [R]) -> Result<()> {
         self.mass.stored().mul_vec(x, y)?;
-        self.factor.solve(y)
+        self.held.solve(&mut self.factor, y)
     }
 
     fn metric(&mut self, x: &[R], y: &mut [R]) -> Result<()> {
@@ -336,6 +386,7 @@ struct Buckling<R> {
     /// `-dK/dlambda`.
     change: Matrix<R>,
     factor: Factor<R>,
+    held: Multipliers,
 }
 
 impl<R: Real> Operator<R> for Buckling<R> {
@@ -343,13 +394,19 @@ impl<R: Real> Operator<R> for Buckling<R> {
         self.stiffness.stored().size()
     }
 
+    fn rank(&self) -> usize {
+        self.size() - 2 * self.held.0.len()
+    }
+
     fn apply(&mut self, x: &[R], y: &mut [R]) -> Result<()> {
         self.change.stored().mul_vec(x, y)?;
-        self.factor.solve(y)
+        self.held.solve(&mut self.factor, y)
     }
 
     fn metric(&mut self, x: &[R], y: &mut [R]) -> Result<()> {
-        self.stiffness.stored().mul_vec(x, y)
+        self.stiffness.stored().mul_vec(x, y)?;
+        self.held.leave_out(y);
+        Ok(())
     }
 }
 
@@ -427,7 +484,7 @@ fn whirling<R: Real, S: Structure<R>>(
         structure,
         stiffness,
         mass,
-        factor: definite(stiffness, what)?,
+        factor: definite(stiffness, &Multipliers::of(structure), what)?,
         moved: zeros(),
         force: zeros(),
         half: vec![R::zero(); 2 * unknowns.count()],

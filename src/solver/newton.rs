@@ -3,10 +3,13 @@
 //! kilometre converge alike, and the residual that rounding leaves is estimated from the tangent,
 //! so that no slender beam is asked for digits its number type does not have.
 
+mod project;
+
 use super::band::Factor;
 use super::matrix::Matrix;
+use super::structure::held;
 use super::unknowns::Unknowns;
-use super::{Rate, State, Structure};
+use super::{State, Structure, Tape};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 
@@ -136,8 +139,8 @@ pub(crate) struct Workspace<R> {
     tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
-    /// The scale of the mass, while the factors are those of the mass alone.
-    held_mass: Option<R>,
+    /// Whether the factors are those of the mass alone.
+    held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
     current: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
@@ -186,7 +189,7 @@ impl<R: Real> Workspace<R> {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
-            held_mass: None,
+            held_mass: false,
             current: false,
             floor: 0.0,
             internal: zeros(),
@@ -208,13 +211,28 @@ impl<R: Real> Workspace<R> {
     /// Forgets the factorisation, so that the next solve makes a new one.
     pub(crate) fn forget(&mut self) {
         self.factored = false;
-        self.held_mass = None;
+        self.held_mass = false;
         self.current = false;
     }
 
     /// Says that the next solve starts from the state of the last factorisation.
     pub(crate) fn stay(&mut self) {
         self.current = self.factored;
+    }
+
+    /// The tangent that the next solve starts with, to a tape or from it, where it is kept from
+    /// solve to solve.
+    pub(crate) fn history(&mut self, refresh: Refresh, tape: &mut Tape<R>) -> Result<()> {
+        let kept = matches!(refresh, Refresh::WhenSlow | Refresh::Never);
+        let mut factored = kept && self.factored;
+        tape.flag(&mut factored)?;
+        if factored {
+            tape.number(&mut self.floor)?;
+            self.factor.history(tape)?;
+            self.factored = true;
+            self.held_mass = false;
+        }
+        Ok(())
     }
 
     /// Whether there are factors of a tangent.
@@ -237,7 +255,7 @@ impl<R: Real> Workspace<R> {
         match self.renew(structure, equations, u) {
             // Every multiplier brings one that says nothing of stability.
             Ok(()) => {
-                let held = structure.multipliers().len();
+                let held = held(structure);
                 Ok(self.factor.inertia().and_then(|all| all.checked_sub(held)))
             }
             Err(Error::Mechanism { .. }) => Ok(None),
@@ -305,7 +323,7 @@ impl<R: Real> Workspace<R> {
             let stuck = choice.is_none() && rises >= RISES;
             if !at_floor && stuck && corrected_by(settings.correction) {
                 self.tangent.clear();
-                structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
+                self.add_tangent(structure, &equations, u)?;
                 at_floor = balance.residual <= self.rounding(structure, structure.measure())?;
             }
             if (small && corrected_by(settings.correction)) || at_floor {
@@ -346,98 +364,6 @@ impl<R: Real> Workspace<R> {
             correction = Some(self.correct(structure, u));
             solved.iterations += 1;
         }
-    }
-
-    /// Makes the acceleration of a state consistent: `M a = Q_e - Q_s`.
-    pub(crate) fn accelerate<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        state: &mut State<R>,
-    ) -> Result<()> {
-        // Motions given in time bring accelerations of their own, whose inertia is a load.
-        state.acceleration.fill(R::zero());
-        structure.impose(state.time, Rate::Acceleration, &mut state.acceleration)?;
-        let equations = Equations {
-            time: state.time,
-            factor: R::one(),
-            initial: None,
-            inertia: Some((R::zero(), &state.acceleration)),
-        };
-        self.balance(structure, &equations, &state.displacement)?;
-        let multipliers = structure.multipliers();
-        // Constraints turn with the motion, the mass alone never changes.
-        let mass = match self.held_mass {
-            Some(mass) if multipliers.is_empty() => mass,
-            _ => {
-                self.forget();
-                self.tangent.clear();
-                let u = &state.displacement;
-                let mass = structure.add_projection(state.time, u, &mut self.tangent)?;
-                let factored = self.factor.factor(self.tangent.stored());
-                factored.map_err(|error| match singular(structure, error.clone()) {
-                    redundant @ Error::Redundant { .. } => redundant,
-                    _ => error,
-                })?;
-                self.held_mass = Some(mass);
-                mass
-            }
-        };
-        for force in &mut self.scratch {
-            *force *= mass;
-        }
-        self.scratch[multipliers.clone()].fill(R::zero());
-        self.solve_linear(structure.unknowns())?;
-        for (a, change) in state.acceleration.iter_mut().zip(&self.scratch) {
-            *a += *change;
-        }
-        for i in multipliers {
-            state.displacement[i] += self.scratch[i] / mass;
-        }
-        self.settle(structure, state)
-    }
-
-    /// Makes velocity and acceleration of a state obey the constraints, by the smallest change in
-    /// kinetic energy, and the multipliers balance the acceleration. Without constraints there is
-    /// nothing to do.
-    pub(crate) fn settle<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        state: &mut State<R>,
-    ) -> Result<()> {
-        let multipliers = structure.multipliers();
-        if multipliers.is_empty() {
-            return Ok(());
-        }
-        state.velocity[multipliers.clone()].fill(R::zero());
-        state.acceleration[multipliers.clone()].fill(R::zero());
-        let Some((matrix, factor)) = &mut self.projection else {
-            return Ok(());
-        };
-        matrix.clear();
-        let mass = structure.add_projection(state.time, &state.displacement, matrix)?;
-        factor
-            .factor(matrix.stored())
-            .map_err(|error| singular(structure, error))?;
-        let unknowns = structure.unknowns();
-        for rate in [Rate::Velocity, Rate::Acceleration] {
-            self.scratch.fill(R::zero());
-            structure.violation(rate, state, &mut self.scratch);
-            for residual in &mut self.scratch[multipliers.clone()] {
-                *residual = -*residual;
-            }
-            solve_by(factor, unknowns, &mut self.unknown, &mut self.scratch)?;
-            let x = match rate {
-                Rate::Acceleration => &mut state.acceleration,
-                _ => &mut state.velocity,
-            };
-            for i in (0..x.len()).filter(|i| !multipliers.contains(i)) {
-                x[i] += self.scratch[i];
-            }
-        }
-        for i in multipliers {
-            state.displacement[i] += self.scratch[i] / mass;
-        }
-        Ok(())
     }
 
     /// Adds to `q`, zero before, the forces that supports, joints, motions and constraints exert in a
@@ -580,6 +506,17 @@ impl<R: Real> Workspace<R> {
         }
     }
 
+    fn add_tangent<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+    ) -> Result<()> {
+        let (time, k) = (equations.time, &mut self.tangent);
+        structure.add_tangent(time, equations.factor, u, k)?;
+        structure.add_holding_tangent(time, u, k)
+    }
+
     fn renew<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
@@ -588,7 +525,7 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         self.forget();
         self.tangent.clear();
-        structure.add_tangent(equations.time, equations.factor, u, &mut self.tangent)?;
+        self.add_tangent(structure, equations, u)?;
         self.floor = self.rounding(structure, u)?;
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;

@@ -6,6 +6,7 @@ use crate::scalar::Real;
 /// Where a structure is: time, nodal displacements (current minus reference coordinates), their
 /// rates, and the work done by nodal loads and given motions so far.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State<R> {
     /// Time (s); in statics the parameter at which time-dependent loads are taken.
     pub time: R,
@@ -33,12 +34,16 @@ impl<R: Real> State<R> {
         ] {
             Error::check_length(what, values.len(), size)?;
         }
-        for value in &self.displacement {
-            crate::error::finite("displacement in the state", *value)?;
+        for (what, values) in [
+            ("displacement in the state", &self.displacement),
+            ("velocity in the state", &self.velocity),
+            ("acceleration in the state", &self.acceleration),
+        ] {
+            for value in values {
+                crate::error::finite(what, *value)?;
+            }
         }
-        for value in &self.velocity {
-            crate::error::finite("velocity in the state", *value)?;
-        }
+        crate::error::finite("work in the state [J]", self.work)?;
         Ok(())
     }
 }

@@ -100,6 +100,17 @@ impl<R: Real> Stored<R> {
         }
     }
 
+    /// Adds `values` to the entries of row `i` from column `first` on. All rows of what is added to a
+    /// symmetric matrix are to be given; one triangle is stored.
+    pub(super) fn add_row(&mut self, i: usize, first: usize, values: &[R]) -> Result<()> {
+        match &mut self.0 {
+            Kept::Band(matrix) => matrix.add_row(i, first, values),
+            Kept::Sparse(_, matrix) => (first..)
+                .zip(values)
+                .try_for_each(|(j, value)| matrix.add(i, j, *value)),
+        }
+    }
+
     /// Adds the full row-major matrix of an element whose `n` unknowns are numbered consecutively
     /// from `offset`.
     ///

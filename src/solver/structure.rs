@@ -5,7 +5,6 @@
 use std::ops::Range;
 
 use super::matrix::Matrix;
-use super::state::State;
 use super::unknowns::Unknowns;
 use crate::error::{Error, Result};
 use crate::scalar::Real;
@@ -61,22 +60,40 @@ pub trait Structure<R: Real> {
 
     /// Adds what the constraints contribute to the internal forces: their forces on the
     /// coordinates they hold, and their residuals, in units that make the tangent symmetric, on
-    /// their multipliers. The derivative of both is part of the tangent.
+    /// their multipliers.
     fn add_holding(&self, _time: R, _u: &[R], _q: &mut [R]) {}
 
-    /// Writes the residuals of the constraints (`Rate::Displacement`) or their rates in a state on
-    /// the multipliers in `out`, in the units of [`add_holding`](Self::add_holding).
-    fn violation(&self, _rate: Rate, _state: &State<R>, _out: &mut [R]) {}
-
-    /// Adds the matrix by which rates of the coordinates are projected onto what the constraints
-    /// allow, `[f M, G^T; G, 0]` with the derivatives `G` of the residuals and the mass scaled by a
-    /// factor `f` that brings both to one size. Returns `f`.
+    /// Adds the derivative of [`add_holding`](Self::add_holding) by the coordinates.
     ///
     /// # Errors
     /// When the matrix is of other unknowns.
-    fn add_projection(&self, _time: R, _u: &[R], k: &mut Matrix<R>) -> Result<R> {
-        self.add_mass(R::one(), k)?;
-        Ok(R::one())
+    fn add_holding_tangent(&self, _time: R, _u: &[R], _k: &mut Matrix<R>) -> Result<()> {
+        Ok(())
+    }
+
+    /// Writes on the multipliers in `out`, in the units of [`add_holding`](Self::add_holding), what
+    /// the constraints leave of as much of a motion as is given: of displacements `[u]` their
+    /// residuals, of `[u, v]` the first and of `[u, v, a]` the second derivatives of them by time.
+    fn violation(&self, _time: R, _motion: &[&[R]], _out: &mut [R]) {}
+
+    /// Tells the derivatives `G` of the residuals at `[u]`, or the derivatives of those by time
+    /// along `[u, v]`: every entry by its multiplier and its coordinate, in the units of
+    /// [`add_holding`](Self::add_holding).
+    fn gradient(&self, _time: R, _motion: &[&[R]], _tell: &mut dyn FnMut(usize, usize, R)) {}
+
+    /// Adds `factor` times the derivative of the constraints' forces `G^T lambda` by the coordinates
+    /// they hold, with the multipliers in `u`.
+    ///
+    /// # Errors
+    /// When the matrix is of other unknowns.
+    fn add_curvature(&self, _time: R, _factor: R, _u: &[R], _k: &mut Matrix<R>) -> Result<()> {
+        Ok(())
+    }
+
+    /// The factor that brings the mass to the size of the constraints' derivatives, beside which it
+    /// stands where rates are projected onto what the constraints allow.
+    fn mass_factor(&self) -> R {
+        R::one()
     }
 
     /// Natural size of each coordinate (the length of the body for positions, 1 for slopes): what
@@ -114,7 +131,7 @@ pub trait Structure<R: Real> {
         Ok(())
     }
 
-    /// Adds the tangent `d(Q_s - factor Q_e)/du` to `k`.
+    /// Adds the tangent `d(Q_s - factor Q_e)/du` to `k`, without that of constraints.
     ///
     /// # Errors
     /// When a load is not finite.
@@ -184,13 +201,40 @@ pub trait Structure<R: Real> {
     fn add_gyroscopic(&self, _v: &[R], _out: &mut [R]) {}
 }
 
-/// Refuses nonlinear constraints, for `what` knows nothing of multipliers.
-pub(crate) fn unconstrained<R: Real, S: Structure<R>>(structure: &S, what: &str) -> Result<()> {
-    if structure.multipliers().is_empty() {
-        return Ok(());
-    }
-    Err(Error::Unsupported {
-        what: format!("nonlinear constraints in {what}"),
-        remedy: "use linear joints, and in dynamics a method of Newmark's family",
+/// Shows every entry of [`Structure::gradient`] to what may fail.
+pub(crate) fn each_gradient<R: Real, S: Structure<R> + ?Sized>(
+    structure: &S,
+    time: R,
+    motion: &[&[R]],
+    mut show: impl FnMut(usize, usize, R) -> Result<()>,
+) -> Result<()> {
+    let mut result = Ok(());
+    structure.gradient(time, motion, &mut |multiplier, i, slope| {
+        if result.is_ok() {
+            result = show(multiplier, i, slope);
+        }
+    });
+    result
+}
+
+/// Adds `[f M, G^T; G, 0]` to a matrix, by which rates are projected onto what the
+/// constraints allow at `u`; `f` is [`Structure::mass_factor`].
+pub(crate) fn add_projection<R: Real, S: Structure<R> + ?Sized>(
+    structure: &S,
+    time: R,
+    u: &[R],
+    k: &mut Matrix<R>,
+) -> Result<()> {
+    structure.add_mass(structure.mass_factor(), k)?;
+    each_gradient(structure, time, &[u], |multiplier, i, slope| {
+        k.add(multiplier, i, slope)?;
+        k.add(i, multiplier, slope)
     })
+}
+
+/// How many multipliers are solved for: those of conditions that do not follow from others.
+pub(crate) fn held<R: Real, S: Structure<R> + ?Sized>(structure: &S) -> usize {
+    let multipliers = structure.multipliers();
+    let free = structure.unknowns().free().iter();
+    free.filter(|i| multipliers.contains(i)).count()
 }

@@ -131,7 +131,9 @@ impl<R: Real> Unknowns<R> {
         conditions: impl IntoIterator<Item = Condition<R>>,
         couple: impl Fn(&mut dyn FnMut(&[Range<usize>])),
     ) -> Result<Self> {
-        let followers = eliminate(size, conditions)?;
+        // What elimination leaves of equal terms is rounding.
+        let noise = |largest: R| largest * R::lit(64.0 * R::EPSILON);
+        let (followers, _) = eliminate(size, conditions, noise)?;
         let mut places = vec![Place::Unknown(0); size];
         for (k, follower) in followers.iter().enumerate() {
             places[follower.coordinate] = Place::Follower(k);
@@ -293,6 +295,15 @@ impl<R: Real> Unknowns<R> {
         }
     }
 
+    /// The unknowns in a row, at most `n`, that the coordinates from `offset` on begin with.
+    #[inline]
+    pub(super) fn stretch(&self, offset: usize, n: usize) -> Option<Range<usize>> {
+        match self.tables.places[offset] {
+            Place::Unknown(first) => Some(first..first + n.min(self.tables.runs[offset])),
+            Place::Follower(_) => None,
+        }
+    }
+
     /// The first unknown of `n` coordinates from `offset` on, if they are unknowns in a row.
     #[inline]
     pub(super) fn run(&self, offset: usize, n: usize) -> Option<usize> {
@@ -324,16 +335,30 @@ pub(super) enum Combination<'a, R> {
 /// Rows under elimination: one column per coordinate, then one per known motion.
 type Row<R> = BTreeMap<usize, R>;
 
+/// Which of some conditions on `size` coordinates follow from those before them, by their order;
+/// coefficients up to `noise` count as none.
+pub(crate) fn dependent<R: Real>(
+    size: usize,
+    conditions: impl IntoIterator<Item = Condition<R>>,
+    noise: R,
+) -> Result<Vec<usize>> {
+    let (_, dropped) = eliminate(size, conditions, |_| noise)?;
+    Ok(dropped)
+}
+
 /// Solves the conditions for as many coordinates as they bind, by Gauss-Jordan elimination with
-/// the largest coefficient as the pivot.
+/// the largest coefficient as the pivot, and tells those that bind nothing. `noise` is the size up
+/// to which a coefficient of a row with the largest one given is taken for rounding.
 fn eliminate<R: Real>(
     size: usize,
     conditions: impl IntoIterator<Item = Condition<R>>,
-) -> Result<Vec<Follower<R>>> {
+    noise: impl Fn(R) -> R,
+) -> Result<(Vec<Follower<R>>, Vec<usize>)> {
+    let mut dropped = Vec::new();
     // Solved rows by the coordinate they give, and where each coordinate or motion is used.
     let mut solved: BTreeMap<usize, Row<R>> = BTreeMap::new();
     let mut users: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for condition in conditions {
+    for (n, condition) in conditions.into_iter().enumerate() {
         let mut row = Row::new();
         let mut largest = R::zero();
         for (i, a) in &condition.terms {
@@ -351,8 +376,7 @@ fn eliminate<R: Real>(
             let b = finite("coefficient of a linear constraint", *b)?;
             *row.entry(size + *k).or_insert(R::zero()) += b;
         }
-        // What elimination leaves of equal terms is rounding.
-        let noise = largest * R::lit(64.0 * R::EPSILON);
+        let noise = noise(largest);
         let counts = |a: &R| a.abs() > noise;
         // A coefficient that vanishes may have a derivative that does not.
         row.retain(|_, a| R::ORDER > 0 || counts(a));
@@ -363,6 +387,7 @@ fn eliminate<R: Real>(
         });
         let Some((&pivot, &coefficient)) = pivot else {
             if !row.values().any(counts) {
+                dropped.push(n);
                 continue;
             }
             return Err(Error::Contradiction {
@@ -402,7 +427,7 @@ fn eliminate<R: Real>(
         }
         follower
     };
-    Ok(solved.into_iter().map(follower).collect())
+    Ok((solved.into_iter().map(follower).collect(), dropped))
 }
 
 fn add<R: Real>(row: &mut Row<R>, factor: R, other: &Row<R>) {

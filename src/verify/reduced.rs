@@ -2,7 +2,7 @@
 //! truth closed forms answer to, and what a law costs that has none.
 
 use crate::formulation::ElementKernel;
-use crate::material::{Blocks, Material, Tensor};
+use crate::material::{Blocks, Material, PoissonSplit, Tensor};
 use crate::scalar::{Algebra, Real};
 
 /// A material or an element kernel reduced to its energy: every derivative by dual numbers.
@@ -63,6 +63,15 @@ impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByPoints<M> 
     #[inline(always)]
     fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
         self.0.stiffness(strain, c)
+    }
+}
+
+impl<M: PoissonSplit> PoissonSplit for ByPoints<M> {
+    fn uncoupled(&self) -> Self {
+        Self(self.0.uncoupled())
+    }
+    fn coupled(&self) -> Self {
+        Self(self.0.coupled())
     }
 }
 

@@ -1,11 +1,17 @@
-//! The stages of a step as one structure.
+//! The stages of a step as one structure. Constraints hold in their rate at every stage, which keeps
+//! the order that holding them in position would take (index two instead of three: E. Hairer, C.
+//! Lubich, M. Roche, *The Numerical Solution of Differential-Algebraic Systems by Runge-Kutta
+//! Methods*, 1989); position and velocity are brought onto them at the end of the step (U. M. Ascher, L. R.
+//! Petzold, *Projected implicit Runge-Kutta methods for differential-algebraic equations*, SIAM J.
+//! Numer. Anal. 28, 1991), without which Gauss points would lose it, too.
 
 use std::cell::RefCell;
+use std::ops::Range;
 
 use super::tableau::{Tableau, weighted};
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Matrix, Structure, Unknowns};
+use crate::solver::{Matrix, Structure, Unknowns, each_gradient};
 
 /// Unknowns and natural sizes of the stages.
 #[derive(Debug)]
@@ -32,6 +38,7 @@ impl<R: Real> Layout<R> {
 pub(super) struct Scratch<R> {
     pub(super) u: Vec<R>,
     pub(super) q: Vec<R>,
+    pub(super) v: Vec<R>,
     pub(super) matrix: Matrix<R>,
 }
 
@@ -83,12 +90,25 @@ pub(super) struct Stages<'a, R, S> {
     pub(super) tableau: &'a Tableau<R>,
     pub(super) layout: &'a Layout<R>,
     pub(super) step: R,
+    /// Displacements at the start of the step.
+    pub(super) from: &'a [R],
     pub(super) scratch: RefCell<&'a mut Scratch<R>>,
 }
 
 impl<R: Real, S: Structure<R>> Stages<'_, R, S> {
     fn count(&self) -> usize {
         self.tableau.at.len()
+    }
+
+    /// Takes stage `i` and its velocity out of the displacements of all.
+    fn moving(&self, scratch: &mut Scratch<R>, all: &[R], i: usize) {
+        scratch.stage(all, i, self.count());
+        let stages = all.chunks_exact(self.count());
+        for ((v, stages), from) in scratch.v.iter_mut().zip(stages).zip(self.from) {
+            let moved = |(rate, u): (&R, &R)| *rate * (*u - *from);
+            let sum: R = self.tableau.rate[i].iter().zip(stages).map(moved).sum();
+            *v = sum / self.step;
+        }
     }
 }
 
@@ -101,6 +121,58 @@ impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
     }
     fn measure(&self) -> &[R] {
         &self.layout.measure
+    }
+    fn multipliers(&self) -> Range<usize> {
+        let own = self.structure.multipliers();
+        own.start * self.count()..own.end * self.count()
+    }
+    fn add_holding(&self, time: R, u: &[R], q: &mut [R]) {
+        let multipliers = self.structure.multipliers();
+        if multipliers.is_empty() {
+            return;
+        }
+        let mut scratch = self.scratch.borrow_mut();
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            self.moving(&mut scratch, u, i);
+            let Scratch { u, v, q: own, .. } = &mut **scratch;
+            let time = time + self.step * *at;
+            self.structure.violation(time, &[u, v], own);
+            for residual in &mut own[multipliers.clone()] {
+                *residual *= self.step;
+            }
+            self.structure
+                .gradient(time, &[u], &mut |multiplier, k, slope| {
+                    own[k] += u[multiplier] * slope;
+                });
+            scratch.give(q, i, self.count());
+        }
+    }
+    fn add_holding_tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        if self.structure.multipliers().is_empty() {
+            return Ok(());
+        }
+        let mut scratch = self.scratch.borrow_mut();
+        let count = self.count();
+        for (i, at) in self.tableau.at.iter().enumerate() {
+            self.moving(&mut scratch, u, i);
+            let Scratch { u, v, matrix, .. } = &mut **scratch;
+            let time = time + self.step * *at;
+            matrix.clear();
+            self.structure.add_curvature(time, R::one(), u, matrix)?;
+            each_gradient(self.structure, time, &[u], |multiplier, a, slope| {
+                for (j, rate) in self.tableau.rate[i].iter().enumerate() {
+                    k.add(multiplier * count + i, a * count + j, *rate * slope)?;
+                }
+                k.add(a * count + i, multiplier * count + i, slope)
+            })?;
+            each_gradient(self.structure, time, &[u, v], |multiplier, a, bend| {
+                let (row, column) = (multiplier * count + i, a * count + i);
+                k.add(row, column, self.step * bend)
+            })?;
+            let k = k.stored_mut();
+            scratch.entries(|a, b, value| k.add(a * count + i, b * count + i, value))?;
+        }
+        Ok(())
     }
     fn add_internal(&self, u: &[R], q: &mut [R]) {
         let mut scratch = self.scratch.borrow_mut();

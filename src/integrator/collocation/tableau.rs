@@ -22,7 +22,8 @@ pub(super) struct Tableau<R> {
     /// Runge-Kutta matrix, and its square.
     pub(super) once: Vec<Vec<R>>,
     pub(super) twice: Vec<Vec<R>>,
-    /// Inverse of the square.
+    /// Inverses of both.
+    pub(super) rate: Vec<Vec<R>>,
     pub(super) inverse: Vec<Vec<R>>,
     /// Weights of the accelerations in the displacement at the end.
     pub(super) end: Vec<R>,
@@ -108,6 +109,7 @@ impl<R: Real> Tableau<R> {
             *estimate -= without;
         }
         Ok(Self {
+            rate: inverse(once.clone()),
             inverse: inverse(twice.clone()),
             at,
             weight,

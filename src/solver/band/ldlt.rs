@@ -1,10 +1,12 @@
 //! Factorisation `L D L^T` of symmetric matrices without pivoting. This is where a simulation of
-//! a long chain spends its time, hence the form: pivots are eliminated four at a time, from
-//! contiguous copies of their columns, by updates of contiguous rows that compilers vectorise.
+//! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
+//! columns are updated in the widest registers of the processor.
 
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{LaneWork, Lanes, Real};
+use crate::solver::Tape;
+use crate::tensor::array;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
@@ -19,30 +21,72 @@ pub(in crate::solver) const GROWTH: f64 = 256.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Ldlt<R> {
-    /// Rows as in [`BandMatrix`], with the unit diagonal of `L` left out of use.
-    rows: Vec<R>,
+    /// Columns of `L` from the diagonal down, which itself is left out of use, and zeros behind
+    /// them: registers reach beyond the end of a column.
+    columns: Vec<R>,
     stride: usize,
     half: usize,
+    /// How many unknowns are eliminated together with each one: their reach is the same, so that
+    /// they share their rows.
+    counts: Vec<usize>,
     /// Reciprocals of the pivots.
     inverse: Vec<R>,
     /// Columns of the current pivots below them, before division by the pivot.
-    columns: Vec<R>,
+    panel: Vec<R>,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
     magnitude: Vec<f64>,
+    /// The vector being solved for, and zeros behind it.
+    vector: Vec<R>,
     negative: usize,
+}
+
+/// The triangle of some pivots, before and after division by them.
+struct Pivots<R, const P: usize> {
+    before: [[R; P]; P],
+    after: [[R; P]; P],
+}
+
+/// The width of the registers.
+struct Width;
+
+impl<R: Real> LaneWork<R> for Width {
+    type Output = usize;
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> usize {
+        L::WIDTH
+    }
+}
+
+/// How many unknowns of equal `reach` go together with each one.
+fn counts(reach: &[usize]) -> Vec<usize> {
+    let mut counts = vec![1; reach.len()];
+    let mut j = 0;
+    while j < reach.len() {
+        let alike = |count: usize| reach.get(j + count - 1) == Some(&reach[j]);
+        let count = [PANEL, 2]
+            .into_iter()
+            .find(|count| alike(*count))
+            .unwrap_or(1);
+        counts[j..j + count].fill(count);
+        j += count;
+    }
+    counts
 }
 
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let stride = half + 1;
+        let beyond = R::dispatch(Width) - 1;
+        let stride = half + 1 + beyond;
         Self {
-            rows: vec![R::zero(); size * stride],
+            columns: vec![R::zero(); size * stride],
             stride,
             half,
+            counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
-            columns: vec![R::zero(); PANEL * stride],
+            panel: vec![R::zero(); PANEL * stride],
             magnitude: vec![0.0; size],
+            vector: vec![R::zero(); size + beyond],
             negative: 0,
         }
     }
@@ -51,51 +95,116 @@ impl<R: Real> Ldlt<R> {
         self.negative
     }
 
-    #[inline(always)]
-    fn index(&self, i: usize, j: usize) -> usize {
-        i * self.stride + self.half + j - i
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.count(&mut self.negative)?;
+        // What lies behind a column depends on the processor.
+        for column in self.columns.chunks_exact_mut(self.stride) {
+            tape.numbers(&mut column[..=self.half])?;
+        }
+        tape.numbers(&mut self.inverse)
     }
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting.
-    pub(super) fn factor(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<bool> {
-        let size = profile.size();
-        let reach = profile.reach();
-        self.negative = 0;
-        let mut definite = true;
-        let (mut j, mut copied) = (0, 0);
-        while j < size {
-            let last = reach[j];
-            // Rows are fetched just before their first use, while the cache still holds them.
-            while copied <= last {
-                let (first, source) = matrix.row(copied);
-                let start = self.index(copied, first);
-                self.rows[start..start + source.len()].copy_from_slice(source);
-                copied += 1;
+    pub(super) fn factor(&mut self, matrix: &BandMatrix<R>) -> Result<bool> {
+        R::dispatch(Factorisation { ldlt: self, matrix })
+    }
+
+    pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
+        let mut vector = std::mem::take(&mut self.vector);
+        vector[..x.len()].copy_from_slice(x);
+        R::dispatch(Solution {
+            ldlt: self,
+            reach: profile.reach(),
+            x: &mut vector,
+        });
+        x.copy_from_slice(&vector[..x.len()]);
+        self.vector = vector;
+    }
+
+    /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
+    /// terms they were summed from. Those of a definite one cannot, or they would not come here.
+    #[cold]
+    #[inline(never)]
+    fn watch<const P: usize>(
+        &mut self,
+        j: usize,
+        Pivots { before, after }: Pivots<R, P>,
+        matrix: &BandMatrix<R>,
+        definite: bool,
+    ) -> Result<bool> {
+        let mut negative = 0;
+        for p in 0..P {
+            let pivot = before[p][p];
+            if !pivot.finite() {
+                return Err(Error::NotFinite {
+                    what: "a pivot of the matrix to factorise",
+                    value: pivot.value(),
+                });
             }
-            // Pivots of equal reach share their rows and can go together.
-            let alike = |count: usize| reach.get(j + count - 1) == Some(&last);
-            let count = if alike(PANEL) {
-                PANEL
-            } else if alike(2) {
-                2
-            } else {
-                1
-            };
-            let eliminate = match count {
-                PANEL => Self::eliminate::<PANEL>,
-                2 => Self::eliminate::<2>,
-                _ => Self::eliminate::<1>,
-            };
-            if definite && !eliminate(self, j, last, matrix, true)? {
-                definite = false;
-                self.find_magnitudes(j, copied, matrix);
-            }
-            if !definite && !eliminate(self, j, last, matrix, false)? {
+            let (d, terms) = (pivot.value(), self.magnitude[j + p]);
+            let noise = d.abs() <= NOISE * R::EPSILON * terms;
+            if definite || noise || terms > GROWTH * largest_of_row(matrix, j + p) {
                 return Ok(false);
             }
-            j += count;
+            negative += usize::from(d < 0.0);
+            for i in p + 1..P {
+                self.magnitude[j + i] += (before[p][i] * after[p][i]).value().abs();
+            }
         }
+        self.negative += negative;
         Ok(true)
+    }
+
+    /// Eliminates `P` unknowns from the right-hand side and divides them by their pivots.
+    #[inline(always)]
+    fn forward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
+        let (columns, below) = self.below::<P>(j, last);
+        let mut known = [R::zero(); P];
+        for p in 0..P {
+            known[p] = x[j + p];
+            for q in 0..p {
+                known[p] -= self.columns[(j + q) * self.stride + p - q] * known[q];
+            }
+        }
+        let rest = &mut x[j + P..];
+        for i in (0..below).step_by(L::WIDTH) {
+            let mut sum = L::load(&rest[i..]);
+            for p in 0..P {
+                sum = sum.plus_times(-known[p], L::load(&columns[p][i..]));
+            }
+            sum.store(&mut rest[i..]);
+        }
+        for p in 0..P {
+            x[j + p] = known[p] * self.inverse[j + p];
+        }
+    }
+
+    /// Finds `P` unknowns from those behind them.
+    #[inline(always)]
+    fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
+        let (columns, below) = self.below::<P>(j, last);
+        let mut sums = [L::zero(); P];
+        for i in (0..below).step_by(L::WIDTH) {
+            let known = L::load(&x[j + P + i..]);
+            for p in 0..P {
+                sums[p] = sums[p].plus_product(known, L::load(&columns[p][i..]));
+            }
+        }
+        for p in (0..P).rev() {
+            let mut value = x[j + p] - sums[p].sum();
+            for q in p + 1..P {
+                value -= self.columns[(j + p) * self.stride + q - p] * x[j + q];
+            }
+            x[j + p] = value;
+        }
+    }
+
+    /// The columns of the unknowns `j..j + P` from the first row below them on, and the number of
+    /// rows up to `last`.
+    #[inline(always)]
+    fn below<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], usize) {
+        let column = |p| &self.columns[(j + p) * self.stride..][P - p..self.stride];
+        (array(column), last + 1 - (j + P))
     }
 
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
@@ -105,7 +214,7 @@ impl<R: Real> Ldlt<R> {
         for i in j..self.inverse.len() {
             let start = matrix.diagonal(i).value();
             let now = if i < copied {
-                self.rows[self.index(i, i)].value()
+                self.columns[i * self.stride].value()
             } else {
                 start
             };
@@ -114,136 +223,178 @@ impl<R: Real> Ldlt<R> {
     }
 
     /// Eliminates the unknowns `j..j + P`, which are coupled up to row `last`. False if a pivot
-    /// cannot be trusted; the rows are then as before.
-    fn eliminate<const P: usize>(
+    /// cannot be trusted; the columns are then as before.
+    #[inline(always)]
+    fn eliminate<L: Lanes<R>, const P: usize>(
         &mut self,
         j: usize,
         last: usize,
         matrix: &BandMatrix<R>,
         definite: bool,
     ) -> Result<bool> {
-        // The triangle of the pivots themselves, before and after division by them.
+        let stride = self.stride;
+        // The triangle of the pivots themselves, before and after division by them. No branches:
+        // it must stay in registers.
         let mut before = [[R::zero(); P]; P];
         let mut after = [[R::zero(); P]; P];
         let mut inverse = [R::zero(); P];
-        let mut negative = 0;
         for p in 0..P {
             for i in p..P {
-                let mut entry = self.rows[self.index(j + i, j + p)];
+                let mut entry = self.columns[(j + p) * stride + i - p];
                 for q in 0..p {
                     entry -= after[q][i] * before[q][p];
                 }
                 before[p][i] = entry;
             }
-            let pivot = before[p][p];
-            if !pivot.finite() {
-                return Err(Error::NotFinite {
-                    what: "a pivot of the matrix to factorise",
-                    value: pivot.value(),
-                });
-            }
-            if definite {
-                let noise = R::lit(NOISE * R::EPSILON) * matrix.diagonal(j + p);
-                if !(pivot > R::zero() && pivot > noise) {
-                    return Ok(false);
-                }
-            } else {
-                let (d, terms) = (pivot.value(), self.magnitude[j + p]);
-                let noise = d.abs() <= NOISE * R::EPSILON * terms;
-                if noise || terms > GROWTH * largest_of_row(matrix, j + p) {
-                    return Ok(false);
-                }
-                negative += usize::from(d < 0.0);
-            }
-            inverse[p] = R::one() / pivot;
+            inverse[p] = R::one() / before[p][p];
             for i in p + 1..P {
                 after[p][i] = before[p][i] * inverse[p];
-                if !definite {
-                    self.magnitude[j + i] += (before[p][i] * after[p][i]).value().abs();
-                }
             }
         }
-        self.negative += negative;
-        for i in 0..P {
-            self.inverse[j + i] = inverse[i];
-            for p in 0..i {
-                let index = self.index(j + i, j + p);
-                self.rows[index] = after[p][i];
+        let mut trusted = true;
+        for p in 0..P {
+            let pivot = before[p][p];
+            let noise = R::lit(NOISE * R::EPSILON) * matrix.diagonal(j + p);
+            trusted &= pivot > R::zero() && pivot > noise && pivot.finite();
+        }
+        if !(definite && trusted) {
+            let pivots = Pivots { before, after };
+            if !self.watch(j, pivots, matrix, definite)? {
+                return Ok(false);
             }
         }
-        for i in j + P..=last {
-            let start = self.index(i, j);
-            let (pivots, row) = self.rows[start..=start + i - j].split_at_mut(P);
-            let mut l = [R::zero(); P];
+        for p in 0..P {
+            self.inverse[j + p] = inverse[p];
+            for i in p + 1..P {
+                self.columns[(j + p) * stride + i - p] = after[p][i];
+            }
+        }
+        let below = last + 1 - (j + P);
+        let (pivots, open) = self.columns[j * stride..].split_at_mut(P * stride);
+        // Where every column of the panel, and its copy, have the first row below the pivots.
+        let (scaled, unscaled) = (|p| p * stride + P - p, |p| p * stride);
+        for i in (0..below).step_by(L::WIDTH) {
+            let mut l = [L::zero(); P];
             for p in 0..P {
-                let mut entry = pivots[p];
+                let mut entry = L::load(&pivots[scaled(p) + i..]);
                 for q in 0..p {
-                    entry -= l[q] * before[q][p];
+                    entry = entry.plus_times(-before[q][p], l[q]);
                 }
-                self.columns[p * self.stride + row.len() - 1] = entry;
-                l[p] = entry * inverse[p];
-                pivots[p] = l[p];
-                if !definite {
-                    self.magnitude[i] += (entry * l[p]).value().abs();
+                l[p] = entry.times(inverse[p]);
+                entry.store(&mut self.panel[unscaled(p) + i..]);
+                l[p].store(&mut pivots[scaled(p) + i..]);
+            }
+        }
+        let pivots = &*pivots;
+        let scaled: [&[R]; P] = array(|p| &pivots[scaled(p)..][..below + L::WIDTH - 1]);
+        let unscaled: [&[R]; P] = array(|p| &self.panel[unscaled(p)..][..below]);
+        if !definite {
+            for i in 0..below {
+                for p in 0..P {
+                    self.magnitude[j + P + i] += (scaled[p][i] * unscaled[p][i]).value().abs();
                 }
             }
-            // The columns up to row i are complete by now: no second pass is needed.
-            let c: [&[R]; P] =
-                std::array::from_fn(|p| &self.columns[p * self.stride..][..row.len()]);
-            for k in 0..row.len() {
-                let mut sum = l[0] * c[0][k];
-                for p in 1..P {
-                    sum += l[p] * c[p][k];
+        }
+        for k in 0..below {
+            let column = &mut open[k * stride..][..stride];
+            let factors: [R; P] = array(|p| -unscaled[p][k]);
+            for i in (0..below - k).step_by(L::WIDTH) {
+                let mut entry = L::load(&column[i..]);
+                for p in 0..P {
+                    entry = entry.plus_times(factors[p], L::load(&scaled[p][k + i..]));
                 }
-                row[k] -= sum;
+                entry.store(&mut column[i..]);
             }
         }
         Ok(true)
     }
+}
 
-    pub(super) fn solve(&self, profile: &Profile, x: &mut [R]) {
-        let first = profile.first();
-        for i in 0..x.len() {
-            let row = &self.rows[self.index(i, first[i])..self.index(i, i)];
-            let (solved, rest) = x.split_at_mut(i);
-            rest[0] -= dot(row, &solved[first[i]..]);
+struct Factorisation<'a, R> {
+    ldlt: &'a mut Ldlt<R>,
+    matrix: &'a BandMatrix<R>,
+}
+
+impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
+    type Output = Result<bool>;
+    const HEAVY: bool = true;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Result<bool> {
+        let Self { ldlt, matrix } = self;
+        let reach = matrix.profile().reach();
+        ldlt.negative = 0;
+        let mut definite = true;
+        let (mut j, mut copied) = (0, 0);
+        while j < reach.len() {
+            let last = reach[j];
+            // Columns are fetched just before their first use, while the cache still holds them.
+            while copied <= last {
+                let source = matrix.column(copied);
+                let target = &mut ldlt.columns[copied * ldlt.stride..][..ldlt.stride];
+                target[..source.len()].copy_from_slice(source);
+                target[source.len()..].fill(R::zero());
+                copied += 1;
+            }
+            let count = ldlt.counts[j];
+            loop {
+                let trusted = match count {
+                    PANEL => ldlt.eliminate::<L, PANEL>(j, last, matrix, definite),
+                    2 => ldlt.eliminate::<L, 2>(j, last, matrix, definite),
+                    _ => ldlt.eliminate::<L, 1>(j, last, matrix, definite),
+                };
+                match (trusted?, definite) {
+                    (true, _) => break,
+                    (false, true) => ldlt.find_magnitudes(j, copied, matrix),
+                    (false, false) => return Ok(false),
+                }
+                definite = false;
+            }
+            j += count;
         }
-        for (x, inverse) in x.iter_mut().zip(&self.inverse) {
-            *x *= *inverse;
+        Ok(true)
+    }
+}
+
+struct Solution<'a, R> {
+    ldlt: &'a Ldlt<R>,
+    reach: &'a [usize],
+    x: &'a mut [R],
+}
+
+impl<R: Real> LaneWork<R> for Solution<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self { ldlt, reach, x } = self;
+        let mut j = 0;
+        while j < reach.len() {
+            let count = ldlt.counts[j];
+            match count {
+                PANEL => ldlt.forward::<L, PANEL>(j, reach[j], x),
+                2 => ldlt.forward::<L, 2>(j, reach[j], x),
+                _ => ldlt.forward::<L, 1>(j, reach[j], x),
+            }
+            j += count;
         }
-        for i in (0..x.len()).rev() {
-            let row = &self.rows[self.index(i, first[i])..self.index(i, i)];
-            let (open, solved) = x.split_at_mut(i);
-            let value = solved[0];
-            for (x, l) in open[first[i]..].iter_mut().zip(row) {
-                *x -= *l * value;
+        while j > 0 {
+            let count = ldlt.counts[j - 1];
+            j -= count;
+            match count {
+                PANEL => ldlt.backward::<L, PANEL>(j, reach[j], x),
+                2 => ldlt.backward::<L, 2>(j, reach[j], x),
+                _ => ldlt.backward::<L, 1>(j, reach[j], x),
             }
         }
     }
 }
 
-/// Inner product in four independent sums, which can be formed at the same time.
-#[inline(always)]
-fn dot<R: Real>(a: &[R], b: &[R]) -> R {
-    let mut sums = [R::zero(); 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let mut sum = R::zero();
-    for (a, b) in a4.remainder().iter().zip(b4.remainder()) {
-        sum += *a * *b;
-    }
-    for (a, b) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sum + ((sums[0] + sums[2]) + (sums[1] + sums[3]))
-}
-
 fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> f64 {
     let (_, row) = matrix.row(i);
-    let left = row.iter().map(|a| a.value().abs()).fold(0.0, f64::max);
-    let reach = matrix.profile().reach()[i];
-    (i + 1..=reach)
-        .map(|k| matrix.get(k, i).value().abs())
-        .fold(left, f64::max)
+    let right = row.iter().map(|a| a.value().abs()).fold(0.0, f64::max);
+    let first = matrix.profile().first()[i];
+    (first..i)
+        .map(|k| matrix.get(i, k).value().abs())
+        .fold(right, f64::max)
 }

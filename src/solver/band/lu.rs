@@ -6,6 +6,7 @@
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
+use crate::solver::Tape;
 
 /// Rounding units, relative to the equilibrated matrix, below which a pivot is taken for zero.
 const NOISE: f64 = 4.0;
@@ -116,7 +117,7 @@ impl<R: Real> Lu<R> {
             let target = self.index(i, start);
             self.rows[target..target + row.len()].copy_from_slice(row);
             if matrix.is_symmetric() {
-                for (j, entry) in (start..i).zip(row) {
+                for (j, entry) in (start..).zip(row).skip(1) {
                     let mirrored = self.index(j, i);
                     self.rows[mirrored] = *entry;
                 }
@@ -139,6 +140,24 @@ impl<R: Real> Lu<R> {
             }
         }
         Ok(())
+    }
+
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        for numbers in [
+            &mut self.rows,
+            &mut self.multipliers,
+            &mut self.inverse,
+            &mut self.row_scale,
+            &mut self.column_scale,
+        ] {
+            tape.numbers(numbers)?;
+        }
+        let last = self.inverse.len().saturating_sub(1);
+        let indices = self.swapped.iter_mut().zip(&mut self.upper_end);
+        indices.enumerate().try_for_each(|(j, (swapped, end))| {
+            tape.index(swapped, j..=last)?;
+            tape.index(end, j..=last)
+        })
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {

@@ -9,9 +9,10 @@ use crate::scalar::{Lanes, Real};
 
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
-/// Row-major: row `i` holds the columns from `i - half_bandwidth` on, up to the diagonal in a
-/// symmetric matrix and up to `i + half_bandwidth` in a general one. No method but the
-/// constructors allocates.
+/// A general matrix is stored by rows, row `i` from column `i - half_bandwidth` to
+/// `i + half_bandwidth`; a symmetric one by the columns of its lower triangle, column `j` from the
+/// diagonal to row `j + half_bandwidth`: its factors are formed column by column. No method but
+/// the constructors allocates.
 #[derive(Debug, Clone)]
 pub struct BandMatrix<R> {
     profile: Profile,
@@ -60,31 +61,44 @@ impl<R: Real> BandMatrix<R> {
         self.symmetric
     }
 
+    /// Where entry `(i, j)` is stored; of a symmetric matrix one of the lower triangle.
     #[inline(always)]
     fn index(&self, i: usize, j: usize) -> usize {
-        i * self.width + self.profile.half_bandwidth() + j - i
+        match self.symmetric {
+            true => j * self.width + i - j,
+            false => i * self.width + self.profile.half_bandwidth() + j - i,
+        }
     }
 
-    /// The stored entries of row `i` inside the envelope and the column of the first of them: up
-    /// to the diagonal in a symmetric matrix.
+    /// The entries of row `i` inside the envelope and the column of the first of them: all of them
+    /// in a general matrix, those from the diagonal on in a symmetric one.
     #[inline(always)]
     #[must_use]
     pub fn row(&self, i: usize) -> (usize, &[R]) {
-        let first = self.profile.first()[i];
-        let last = if self.symmetric {
-            i
-        } else {
-            self.profile.reach()[i]
+        let first = match self.symmetric {
+            true => i,
+            false => self.profile.first()[i],
+        };
+        // From the diagonal on, a row is the column below.
+        let start = match self.symmetric {
+            true => self.index(i, i),
+            false => self.index(i, first),
         };
         (
             first,
-            &self.data[self.index(i, first)..=self.index(i, last)],
+            &self.data[start..=start + self.profile.reach()[i] - first],
         )
     }
 
     #[inline(always)]
     pub(super) fn diagonal(&self, i: usize) -> R {
         self.data[self.index(i, i)]
+    }
+
+    /// The stored entries of column `j` of a symmetric matrix and the zeros behind them.
+    #[inline(always)]
+    pub(super) fn column(&self, j: usize) -> &[R] {
+        &self.data[j * self.width..][..self.width]
     }
 
     /// Sets every entry to zero.
@@ -126,7 +140,7 @@ impl<R: Real> BandMatrix<R> {
     /// `offset`.
     ///
     /// `block` is row-major and either full (`n * n` entries, of which a symmetric matrix reads
-    /// the lower triangle) or the lower triangle alone, row after row without gaps
+    /// the upper triangle) or the lower triangle alone, row after row without gaps
     /// (`n * (n + 1) / 2` entries, mirrored in a general matrix).
     ///
     /// # Errors
@@ -146,45 +160,93 @@ impl<R: Real> BandMatrix<R> {
         if !full {
             Error::check_length("element matrix", block.len(), n * (n + 1) / 2)?;
         }
-        for i in 0..n {
-            let start = if full { i * n } else { i * (i + 1) / 2 };
-            let count = if full && !self.symmetric { n } else { i + 1 };
-            let source = &block[start..start + count];
-            let target = self.index(offset + i, offset);
-            for (t, s) in self.data[target..target + count].iter_mut().zip(source) {
-                *t += *s;
+        if full {
+            for i in 0..n {
+                let from = if self.symmetric { i } else { 0 };
+                let target = match self.symmetric {
+                    true => self.index(offset + i, offset + i),
+                    false => self.index(offset + i, offset),
+                };
+                let source = &block[i * n + from..(i + 1) * n];
+                for (t, s) in self.data[target..].iter_mut().zip(source) {
+                    *t += *s;
+                }
             }
-            if !full && !self.symmetric {
-                for j in 0..i {
+            return Ok(());
+        }
+        for i in 0..n {
+            for j in 0..=i {
+                let value = block[i * (i + 1) / 2 + j];
+                let index = self.index(offset + i, offset + j);
+                self.data[index] += value;
+                if !self.symmetric && j < i {
                     let mirrored = self.index(offset + j, offset + i);
-                    self.data[mirrored] += source[j];
+                    self.data[mirrored] += value;
                 }
             }
         }
         Ok(())
     }
 
-    /// Adds the matrices of `lanes` elements of `n` unknowns each, numbered consecutively from
-    /// `offset(lane)`: the entries of `block`, row-major and full.
+    /// Adds `values` to the entries of row `i` from column `first` on; in a symmetric matrix those
+    /// left of the diagonal are ignored.
+    pub(in crate::solver) fn add_row(
+        &mut self,
+        i: usize,
+        first: usize,
+        values: &[R],
+    ) -> Result<()> {
+        let skipped = match self.symmetric {
+            true => i.saturating_sub(first).min(values.len()),
+            false => 0,
+        };
+        let (first, values) = (first + skipped, &values[skipped..]);
+        let Some(last) = (first + values.len())
+            .checked_sub(1)
+            .filter(|_| !values.is_empty())
+        else {
+            return Ok(());
+        };
+        for column in [first, last] {
+            if !self.profile.contains(i, column) {
+                return Err(Error::OutsideProfile { row: i, column });
+            }
+        }
+        // Right of the diagonal, a row is the column below.
+        let start = match self.symmetric {
+            true => self.index(first, i),
+            false => self.index(i, first),
+        };
+        for (entry, value) in self.data[start..].iter_mut().zip(values) {
+            *entry += *value;
+        }
+        Ok(())
+    }
+
+    /// Adds the matrices of the elements in the lanes that have a start, the first of `n` unknowns
+    /// numbered consecutively: the entries of `block`, row-major and full.
     #[inline(always)]
     pub(crate) fn add_blocks<L: Lanes<R>>(
         &mut self,
-        lanes: usize,
-        offset: impl Fn(usize) -> usize,
         n: usize,
         block: &[L],
+        start: impl Fn(usize) -> Option<usize>,
     ) -> Result<()> {
-        for lane in 0..lanes {
-            let (column, row) = (offset(lane), offset(lane) + n - 1);
+        for column in (0..L::WIDTH).filter_map(&start) {
+            let row = column + n - 1;
             if !self.profile.contains(row, column) {
                 return Err(Error::OutsideProfile { row, column });
             }
         }
         for i in 0..n {
-            let count = if self.symmetric { i + 1 } else { n };
             let (width, half) = (self.width, self.profile.half_bandwidth());
-            let target = |lane: usize| (offset(lane) + i) * width + half - i;
-            L::scatter(&block[i * n..i * n + count], lanes, &mut self.data, target);
+            let (from, shift) = if self.symmetric {
+                (i, 0)
+            } else {
+                (0, half - i)
+            };
+            let target = |lane: usize| Some((start(lane)? + i) * width + shift);
+            L::scatter(&block[i * n + from..(i + 1) * n], &mut self.data, target);
         }
         Ok(())
     }
@@ -210,45 +272,21 @@ impl<R: Real> BandMatrix<R> {
     fn product(&self, x: &[R], y: &mut [R], map: impl Fn(R) -> R) -> Result<()> {
         Error::check_length("vector to multiply", x.len(), self.size())?;
         Error::check_length("product", y.len(), self.size())?;
+        y.fill(R::zero());
         for i in 0..self.size() {
             let (first, row) = self.row(i);
             let mut sum = R::zero();
             for (a, x) in row.iter().zip(&x[first..]) {
                 sum += map(*a) * map(*x);
             }
-            y[i] = sum;
+            y[i] += sum;
             if self.symmetric {
                 let own = map(x[i]);
-                for (a, y) in row.iter().zip(&mut y[first..i]) {
+                for (a, y) in row.iter().zip(&mut y[i..]).skip(1) {
                     *y += map(*a) * own;
                 }
             }
         }
-        Ok(())
-    }
-
-    /// Makes row and column `i` those of the identity times `diagonal`: with a zero right-hand
-    /// side there, unknown `i` of the solution is zero and the others are those of the system
-    /// without it. A `diagonal` near the others of the matrix keeps it well scaled; a positive
-    /// one leaves [`inertia`](super::Factor::inertia) that of the free unknowns.
-    ///
-    /// # Errors
-    /// [`Error::OutsideProfile`] if there is no unknown `i`.
-    pub fn fix(&mut self, i: usize, diagonal: R) -> Result<()> {
-        if i >= self.size() {
-            return Err(Error::OutsideProfile { row: i, column: i });
-        }
-        let (first, last) = (self.profile.first()[i], self.profile.reach()[i]);
-        let row_end = if self.symmetric { i } else { last };
-        let row = self.index(i, first)..=self.index(i, row_end);
-        self.data[row].fill(R::zero());
-        let column_start = if self.symmetric { i } else { first };
-        for k in column_start..=last {
-            let index = self.index(k, i);
-            self.data[index] = R::zero();
-        }
-        let index = self.index(i, i);
-        self.data[index] = diagonal;
         Ok(())
     }
 

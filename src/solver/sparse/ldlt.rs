@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{Pattern, SparseMatrix};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
+use crate::solver::Tape;
 use crate::solver::band::{GROWTH, NOISE};
 
 #[derive(Debug, Clone)]
@@ -44,6 +45,12 @@ impl<R: Real> SparseLdlt<R> {
 
     pub(in crate::solver) fn negative(&self) -> usize {
         self.negative
+    }
+
+    pub(in crate::solver) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.count(&mut self.negative)?;
+        tape.numbers(&mut self.values)?;
+        tape.numbers(&mut self.inverse)
     }
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting.
