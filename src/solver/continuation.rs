@@ -114,6 +114,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 Ok(solved) => {
                     self.report.points += 1;
                     self.report.corrections += solved.iterations;
+                    self.report.at_floor += usize::from(solved.at_floor);
                     let ratio =
                         (self.settings.corrections as f64 / solved.iterations as f64).sqrt();
                     let length = self.step.abs() * R::lit(ratio.clamp(0.5, 2.0));

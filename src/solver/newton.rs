@@ -163,9 +163,9 @@ pub(crate) struct Workspace<R> {
 }
 
 /// A force balance: the residual's norm and the largest norm among its parts.
-struct Balance<R> {
-    residual: R,
-    scale: R,
+struct Balance {
+    residual: f64,
+    scale: f64,
 }
 
 /// Largest correction, in natural sizes, after which the rounding floor still holds.
@@ -296,7 +296,7 @@ impl<R: Real> Workspace<R> {
         let mut current = std::mem::take(&mut self.current);
         let mut solved = Solved::default();
         let mut correction: Option<R> = None;
-        let mut previous: Option<R> = None;
+        let mut previous: Option<f64> = None;
         let mut rises = 0;
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
@@ -306,15 +306,14 @@ impl<R: Real> Workspace<R> {
         }
         loop {
             let balance = self.balance(structure, &equations, u)?;
-            solved.residual = (balance.residual / balance.scale).value();
-            if !balance.residual.finite() {
+            solved.residual = balance.residual / balance.scale;
+            if !balance.residual.is_finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
             }
             let corrected_by = |least: f64| correction.is_some_and(|c| c <= R::lit(least));
-            let fell_to =
-                |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
-            let small = balance.residual <= balance.scale * R::lit(settings.residual);
-            let floor = self.floor + balance.scale * R::lit(8.0 * R::EPSILON);
+            let fell_to = |share: f64| previous.is_none_or(|p| balance.residual <= p * share);
+            let small = balance.residual <= balance.scale * settings.residual;
+            let floor = self.floor.value() + balance.scale * 8.0 * R::EPSILON;
             let mut at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
             if !fell_to(1.0) {
                 rises += 1;
@@ -451,7 +450,7 @@ impl<R: Real> Workspace<R> {
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
-    ) -> Result<Balance<R>> {
+    ) -> Result<Balance> {
         self.internal.fill(R::zero());
         self.external.fill(R::zero());
         structure.add_internal(u, &mut self.internal);
@@ -478,7 +477,7 @@ impl<R: Real> Workspace<R> {
 
     /// Residual in `scratch` and the norms of `[external, internal, inertia]` and of their
     /// balance, over what acts on the unknowns: what a support carries is no measure of the rest.
-    fn norms<S: Structure<R> + ?Sized>(&mut self, structure: &S, inertia: bool) -> Balance<R> {
+    fn norms<S: Structure<R> + ?Sized>(&mut self, structure: &S, inertia: bool) -> Balance {
         let measure = structure.measure();
         let unknowns = structure.unknowns();
         unknowns.reduce(&mut self.external);
@@ -486,26 +485,24 @@ impl<R: Real> Workspace<R> {
         if inertia {
             unknowns.reduce(&mut self.inertia);
         }
-        let mut squares = [R::zero(); 4];
+        let mut finite = true;
         for &i in unknowns.free() {
-            let (external, internal) = (self.external[i], self.internal[i]);
             let inertia = if inertia { self.inertia[i] } else { R::zero() };
-            let residual = external - internal - inertia;
-            self.scratch[i] = residual;
-            for (square, part) in squares
-                .iter_mut()
-                .zip([residual, external, internal, inertia])
-            {
-                let part = part * measure[i];
-                *square += part * part;
-            }
+            self.scratch[i] = self.external[i] - self.internal[i] - inertia;
+            finite &= self.scratch[i].finite();
         }
-        let largest = squares[1].larger(squares[2]).larger(squares[3]);
-        // A state without any force is its own solution: avoid 0 / 0.
-        let scale = if largest.is_zero() { R::one() } else { largest };
+        let size = |x: &[R]| size(unknowns.free().iter().map(|&i| natural(x[i], measure[i])));
+        let mut scale = size(&self.external).max(size(&self.internal));
+        if inertia {
+            scale = scale.max(size(&self.inertia));
+        }
         Balance {
-            residual: norm(squares[0]),
-            scale: norm(scale),
+            residual: match finite {
+                true => size(&self.scratch),
+                false => f64::NAN,
+            },
+            // A state without any force is its own solution: avoid 0 / 0.
+            scale: if scale == 0.0 { 1.0 } else { scale },
         }
     }
 
@@ -529,7 +526,7 @@ impl<R: Real> Workspace<R> {
         self.forget();
         self.tangent.clear();
         self.add_tangent(structure, equations, u)?;
-        self.floor = self.rounding(structure, u)?;
+        self.floor = R::lit(self.rounding(structure, u)?);
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }
@@ -541,7 +538,7 @@ impl<R: Real> Workspace<R> {
     /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:
     /// with displacements, what the library's own strains leave; with the natural sizes of the
     /// coordinates, what any law does that forms its strains from the whole of them.
-    fn rounding<S: Structure<R> + ?Sized>(&mut self, structure: &S, sizes: &[R]) -> Result<R> {
+    fn rounding<S: Structure<R> + ?Sized>(&mut self, structure: &S, sizes: &[R]) -> Result<f64> {
         let unknowns = structure.unknowns();
         for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
             *q = sizes[i];
@@ -563,12 +560,31 @@ impl<R: Real> Workspace<R> {
                 }
             }
         }
-        let mut square = R::zero();
-        for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
-            let part = *rounded * measure[i];
-            square += part * part;
+        let rounded = self.rounded.iter().zip(unknowns.free());
+        Ok(size(rounded.map(|(rounded, &i)| natural(*rounded, measure[i]))) * R::EPSILON)
+    }
+
+    /// What one more correction would change of the displacements `u` just solved for, largest over
+    /// largest in natural sizes, when the factors are those of the tangent at `u`. Where rounding is
+    /// all that is left of the residual, this is what it takes of the answer: forces that rounding
+    /// leaves but that bend nothing do not count, and a tangent that is all rounding itself would
+    /// go on as it came. Zero where nothing moved.
+    pub(crate) fn open<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &[R]) -> Result<f64> {
+        let (free, multipliers) = (structure.unknowns().free(), structure.multipliers());
+        let measure = structure.measure();
+        for (x, &i) in self.unknown.iter_mut().zip(free) {
+            *x = self.scratch[i];
         }
-        Ok(norm(square) * R::lit(R::EPSILON))
+        self.factor.solve(&mut self.unknown)?;
+        let (mut change, mut moved) = (0.0_f64, 0.0_f64);
+        for (x, &i) in self.unknown.iter().zip(free) {
+            if !multipliers.contains(&i) {
+                let size = measure[i].value();
+                change = change.max((x.value() / size).abs());
+                moved = moved.max((u[i].value() / size).abs());
+            }
+        }
+        Ok(if moved == 0.0 { 0.0 } else { change / moved })
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
@@ -664,6 +680,20 @@ fn singular<R: Real, S: Structure<R> + ?Sized>(structure: &S, error: Error) -> E
         }
         other => other,
     }
+}
+
+/// A force on a coordinate of the given natural size, in double precision: squares of the small
+/// beams' forces lie outside the range of single precision.
+fn natural<R: Real>(force: R, measure: R) -> f64 {
+    force.value() * measure.value()
+}
+
+/// Euclidean norm of numbers of any size, whose squares may overflow or underflow.
+fn size(parts: impl Iterator<Item = f64> + Clone) -> f64 {
+    let top = parts.clone().fold(0.0_f64, |top, part| top.max(part.abs()));
+    let unit = top.max(f64::MIN_POSITIVE);
+    let share = unit.recip();
+    parts.map(|part| (part * share).powi(2)).sum::<f64>().sqrt() * unit
 }
 
 /// Square root that carries a zero derivative at zero instead of NaN.
