@@ -14,6 +14,7 @@ use simba::simd::{WideF32x8, WideF64x4};
 
 mod jet;
 mod lanes;
+mod mask;
 #[cfg(target_arch = "x86_64")]
 #[allow(
     unsafe_code,
@@ -25,6 +26,8 @@ mod x86;
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
 pub use lanes::{LaneWork, Lanes};
+pub use mask::{Mask, together};
+pub use pack::{Laned, Pack};
 
 /// What a kernel needs of a number: ring operations and constants.
 ///
@@ -150,14 +153,42 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     const EPSILON: f64;
     /// Order of the derivatives the type carries: 0 for plain floats.
     const ORDER: usize;
+    /// Simultaneous computations that a number carries: one, but for [`Pack`]s.
+    const LANES: usize = 1;
     /// The real part, in double precision: for messages, plots and decisions that need no more.
+    /// Packs have one only if it is that of every lane.
     fn value(self) -> f64;
+    /// The real part of one of its computations, by its number from zero.
+    fn lane(self, _lane: usize) -> f64 {
+        self.value()
+    }
+    /// The largest of the real parts of its computations: for reports.
+    fn largest(self) -> f64 {
+        (0..Self::LANES).map(|n| self.lane(n)).fold(f64::NEG_INFINITY, f64::max)
+    }
     /// Whether the value (and every derivative it carries) is finite.
     fn finite(self) -> bool;
+    /// In which of its computations the number is at most `other`: a decision that may differ
+    /// between them. Comparisons by operators are one decision for all.
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Mask {
+        (self <= other).into()
+    }
+    /// This number where `mask` holds and `other` elsewhere.
+    #[inline(always)]
+    fn where_else(self, mask: Mask, other: Self) -> Self {
+        if mask.all() { self } else { other }
+    }
     /// Runs `work` in the lanes of this type that suit the processor best; in the type itself
     /// where there are none.
     #[inline]
     fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
+        work.run::<Self>()
+    }
+    /// Runs `work` with one number of this type in each lane: in the registers that hold a
+    /// [`Pack`], and for all others in the type itself.
+    #[inline(always)]
+    fn dispatch_single<W: LaneWork<Self>>(work: W) -> W::Output {
         work.run::<Self>()
     }
     /// The circle constant, to the last digit of the type.
@@ -270,6 +301,7 @@ macro_rules! plain {
 
 #[cfg(feature = "double-double")]
 mod double_double;
+mod pack;
 
 macro_rules! float {
     ($($t:ty, $portable:ty, $run:ident, $wide:ident);*) => {$(

@@ -26,6 +26,15 @@ pub trait Lanes<R>: Algebra<R> {
     /// If it holds fewer.
     fn store(self, to: &mut [R]);
 
+    /// Overwrites one number, where a lane is all there is.
+    ///
+    /// # Panics
+    /// If there are more.
+    #[inline(always)]
+    fn set(self, to: &mut R) {
+        self.store(std::slice::from_mut(to));
+    }
+
     /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
     /// lane of `columns[i]`.
     ///

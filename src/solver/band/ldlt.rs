@@ -4,7 +4,7 @@
 
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{LaneWork, Lanes, Mask, Real};
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
@@ -28,8 +28,8 @@ pub(super) struct Ldlt<R> {
     /// Columns of the current pivots below them, before division by the pivot.
     columns: Vec<R>,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
-    magnitude: Vec<f64>,
-    negative: usize,
+    magnitude: Vec<R>,
+    negative: R,
 }
 
 impl<R: Real> Ldlt<R> {
@@ -42,13 +42,13 @@ impl<R: Real> Ldlt<R> {
             half,
             inverse: vec![R::zero(); size],
             columns: vec![R::zero(); PANEL * stride],
-            magnitude: vec![0.0; size],
-            negative: 0,
+            magnitude: vec![R::zero(); size],
+            negative: R::zero(),
         }
     }
 
     pub(super) fn negative(&self) -> usize {
-        self.negative
+        self.negative.value() as usize
     }
 
     #[inline(always)]
@@ -58,9 +58,22 @@ impl<R: Real> Ldlt<R> {
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting.
     pub(super) fn factor(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<bool> {
+        R::dispatch_single(Factorisation {
+            ldlt: self,
+            profile,
+            matrix,
+        })
+    }
+
+    #[inline(always)]
+    fn factor_in<L: Lanes<R>>(
+        &mut self,
+        profile: &Profile,
+        matrix: &BandMatrix<R>,
+    ) -> Result<bool> {
         let size = profile.size();
         let reach = profile.reach();
-        self.negative = 0;
+        self.negative = R::zero();
         let mut definite = true;
         let (mut j, mut copied) = (0, 0);
         while j < size {
@@ -81,19 +94,20 @@ impl<R: Real> Ldlt<R> {
             } else {
                 1
             };
-            let eliminate = match count {
-                PANEL => Self::eliminate::<PANEL>,
-                2 => Self::eliminate::<2>,
-                _ => Self::eliminate::<1>,
+            let eliminated = match count {
+                PANEL => self.eliminate::<L, PANEL>(j, last, matrix, definite)?,
+                2 => self.eliminate::<L, 2>(j, last, matrix, definite)?,
+                _ => self.eliminate::<L, 1>(j, last, matrix, definite)?,
             };
-            if definite && !eliminate(self, j, last, matrix, true)? {
+            if eliminated {
+                j += count;
+            } else if definite {
+                // The same pivots once more, under watch.
                 definite = false;
                 self.find_magnitudes(j, copied, matrix);
-            }
-            if !definite && !eliminate(self, j, last, matrix, false)? {
+            } else {
                 return Ok(false);
             }
-            j += count;
         }
         Ok(true)
     }
@@ -103,9 +117,9 @@ impl<R: Real> Ldlt<R> {
     /// not keep, follow from the sums.
     fn find_magnitudes(&mut self, j: usize, copied: usize, matrix: &BandMatrix<R>) {
         for i in j..self.inverse.len() {
-            let start = matrix.diagonal(i).value();
+            let start = matrix.diagonal(i);
             let now = if i < copied {
-                self.rows[self.index(i, i)].value()
+                self.rows[self.index(i, i)]
             } else {
                 start
             };
@@ -115,7 +129,8 @@ impl<R: Real> Ldlt<R> {
 
     /// Eliminates the unknowns `j..j + P`, which are coupled up to row `last`. False if a pivot
     /// cannot be trusted; the rows are then as before.
-    fn eliminate<const P: usize>(
+    #[inline(always)]
+    fn eliminate<L: Lanes<R>, const P: usize>(
         &mut self,
         j: usize,
         last: usize,
@@ -123,19 +138,19 @@ impl<R: Real> Ldlt<R> {
         definite: bool,
     ) -> Result<bool> {
         // The triangle of the pivots themselves, before and after division by them.
-        let mut before = [[R::zero(); P]; P];
-        let mut after = [[R::zero(); P]; P];
-        let mut inverse = [R::zero(); P];
-        let mut negative = 0;
+        let mut before = [[L::zero(); P]; P];
+        let mut after = [[L::zero(); P]; P];
+        let mut inverse = [L::zero(); P];
+        let mut negative = R::zero();
         for p in 0..P {
             for i in p..P {
-                let mut entry = self.rows[self.index(j + i, j + p)];
+                let mut entry = L::lift(self.rows[self.index(j + i, j + p)]);
                 for q in 0..p {
                     entry -= after[q][i] * before[q][p];
                 }
                 before[p][i] = entry;
             }
-            let pivot = before[p][p];
+            let pivot = number(before[p][p]);
             if !pivot.finite() {
                 return Err(Error::NotFinite {
                     what: "a pivot of the matrix to factorise",
@@ -144,106 +159,159 @@ impl<R: Real> Ldlt<R> {
             }
             if definite {
                 let noise = R::lit(NOISE * R::EPSILON) * matrix.diagonal(j + p);
-                if !(pivot > R::zero() && pivot > noise) {
+                if (pivot.at_most(R::zero()) | pivot.at_most(noise)).any() {
                     return Ok(false);
                 }
             } else {
-                let (d, terms) = (pivot.value(), self.magnitude[j + p]);
-                let noise = d.abs() <= NOISE * R::EPSILON * terms;
-                if noise || terms > GROWTH * largest_of_row(matrix, j + p) {
+                let terms = self.magnitude[j + p];
+                let noise = pivot.abs().at_most(R::lit(NOISE * R::EPSILON) * terms);
+                let bound = R::lit(GROWTH) * largest_of_row(matrix, j + p);
+                if (noise | !terms.at_most(bound)).any() {
+                    // A lane that is definite would not have been watched in a run of its own.
+                    let _ = Mask::among(R::LANES == 1).common();
                     return Ok(false);
                 }
-                negative += usize::from(d < 0.0);
+                negative += R::one().where_else(pivot.at_most(R::zero()), R::zero());
             }
-            inverse[p] = R::one() / pivot;
+            inverse[p] = L::one() / before[p][p];
             for i in p + 1..P {
                 after[p][i] = before[p][i] * inverse[p];
                 if !definite {
-                    self.magnitude[j + i] += (before[p][i] * after[p][i]).value().abs();
+                    self.magnitude[j + i] += number(before[p][i] * after[p][i]).abs();
                 }
             }
         }
         self.negative += negative;
         for i in 0..P {
-            self.inverse[j + i] = inverse[i];
+            inverse[i].set(&mut self.inverse[j + i]);
             for p in 0..i {
                 let index = self.index(j + i, j + p);
-                self.rows[index] = after[p][i];
+                after[p][i].set(&mut self.rows[index]);
             }
         }
         for i in j + P..=last {
             let start = self.index(i, j);
             let (pivots, row) = self.rows[start..=start + i - j].split_at_mut(P);
-            let mut l = [R::zero(); P];
+            let mut l = [L::zero(); P];
             for p in 0..P {
-                let mut entry = pivots[p];
+                let mut entry = L::lift(pivots[p]);
                 for q in 0..p {
                     entry -= l[q] * before[q][p];
                 }
-                self.columns[p * self.stride + row.len() - 1] = entry;
+                entry.set(&mut self.columns[p * self.stride + row.len() - 1]);
                 l[p] = entry * inverse[p];
-                pivots[p] = l[p];
+                l[p].set(&mut pivots[p]);
                 if !definite {
-                    self.magnitude[i] += (entry * l[p]).value().abs();
+                    self.magnitude[i] += number(entry * l[p]).abs();
                 }
             }
             // The columns up to row i are complete by now: no second pass is needed.
             let c: [&[R]; P] =
                 std::array::from_fn(|p| &self.columns[p * self.stride..][..row.len()]);
             for k in 0..row.len() {
-                let mut sum = l[0] * c[0][k];
+                let mut sum = l[0].times(c[0][k]);
                 for p in 1..P {
-                    sum += l[p] * c[p][k];
+                    sum += l[p].times(c[p][k]);
                 }
-                row[k] -= sum;
+                (L::lift(row[k]) - sum).set(&mut row[k]);
             }
         }
         Ok(true)
     }
 
     pub(super) fn solve(&self, profile: &Profile, x: &mut [R]) {
+        R::dispatch_single(Solution {
+            ldlt: self,
+            profile,
+            x,
+        });
+    }
+
+    #[inline(always)]
+    fn solve_in<L: Lanes<R>>(&self, profile: &Profile, x: &mut [R]) {
         let first = profile.first();
         for i in 0..x.len() {
             let row = &self.rows[self.index(i, first[i])..self.index(i, i)];
             let (solved, rest) = x.split_at_mut(i);
-            rest[0] -= dot(row, &solved[first[i]..]);
+            let sum: L = dot(row, &solved[first[i]..]);
+            (L::lift(rest[0]) - sum).set(&mut rest[0]);
         }
         for (x, inverse) in x.iter_mut().zip(&self.inverse) {
-            *x *= *inverse;
+            L::lift(*x).times(*inverse).set(x);
         }
         for i in (0..x.len()).rev() {
             let row = &self.rows[self.index(i, first[i])..self.index(i, i)];
             let (open, solved) = x.split_at_mut(i);
-            let value = solved[0];
+            let value = L::lift(solved[0]);
             for (x, l) in open[first[i]..].iter_mut().zip(row) {
-                *x -= *l * value;
+                (L::lift(*x) - L::lift(*l) * value).set(x);
             }
         }
     }
 }
 
+/// A factorisation, to be done in registers.
+struct Factorisation<'a, R> {
+    ldlt: &'a mut Ldlt<R>,
+    profile: &'a Profile,
+    matrix: &'a BandMatrix<R>,
+}
+
+impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
+    type Output = Result<bool>;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Result<bool> {
+        self.ldlt.factor_in::<L>(self.profile, self.matrix)
+    }
+}
+
+/// A solution, to be done in registers.
+struct Solution<'a, R> {
+    ldlt: &'a Ldlt<R>,
+    profile: &'a Profile,
+    x: &'a mut [R],
+}
+
+impl<R: Real> LaneWork<R> for Solution<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        self.ldlt.solve_in::<L>(self.profile, self.x);
+    }
+}
+
+/// What a register of one number holds.
+#[inline(always)]
+fn number<R: Real, L: Lanes<R>>(register: L) -> R {
+    let mut number = R::zero();
+    register.set(&mut number);
+    number
+}
+
 /// Inner product in four independent sums, which can be formed at the same time.
 #[inline(always)]
-fn dot<R: Real>(a: &[R], b: &[R]) -> R {
-    let mut sums = [R::zero(); 4];
+fn dot<R: Real, L: Lanes<R>>(a: &[R], b: &[R]) -> L {
+    let mut sums = [L::zero(); 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let mut sum = R::zero();
+    let mut sum = L::zero();
     for (a, b) in a4.remainder().iter().zip(b4.remainder()) {
-        sum += *a * *b;
+        sum += L::lift(*a).times(*b);
     }
     for (a, b) in a4.zip(b4) {
         for k in 0..4 {
-            sums[k] += a[k] * b[k];
+            sums[k] += L::lift(a[k]).times(b[k]);
         }
     }
     sum + ((sums[0] + sums[2]) + (sums[1] + sums[3]))
 }
 
-fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> f64 {
+fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> R {
     let (_, row) = matrix.row(i);
-    let left = row.iter().map(|a| a.value().abs()).fold(0.0, f64::max);
+    let left = row.iter().map(|a| a.abs()).fold(R::zero(), R::larger);
     let reach = matrix.profile().reach()[i];
     (i + 1..=reach)
-        .map(|k| matrix.get(k, i).value().abs())
-        .fold(left, f64::max)
+        .map(|k| matrix.get(k, i).abs())
+        .fold(left, R::larger)
 }
