@@ -164,7 +164,9 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     }
     /// The largest of the real parts of its computations: for reports.
     fn largest(self) -> f64 {
-        (0..Self::LANES).map(|n| self.lane(n)).fold(f64::NEG_INFINITY, f64::max)
+        (0..Self::LANES)
+            .map(|n| self.lane(n))
+            .fold(f64::NEG_INFINITY, f64::max)
     }
     /// Whether the value (and every derivative it carries) is finite.
     fn finite(self) -> bool;

@@ -28,8 +28,6 @@ pub struct Pack<R, const N: usize>(pub [R; N]);
 pub trait Laned: Real {
     /// As many as the widest registers hold.
     type Pack: Real;
-    /// How many.
-    const LANES: usize;
     /// One number in each lane, by its number from zero.
     fn pack(lane: impl Fn(usize) -> Self) -> Self::Pack;
     /// The numbers of all lanes.
@@ -257,7 +255,6 @@ macro_rules! packs {
     ($($r:ty, $n:literal, $parse:ty, $portable:ty, $narrow:ident, $wide:ident;)*) => {$(
         impl Laned for $r {
             type Pack = Pack<$r, $n>;
-            const LANES: usize = $n;
             fn pack(lane: impl Fn(usize) -> Self) -> Self::Pack {
                 Pack(std::array::from_fn(lane))
             }

@@ -706,12 +706,7 @@ impl<R: Real> Workspace<R> {
 
     /// Applies the correction in `scratch` to the lanes that are `open` and returns its largest
     /// component in natural sizes.
-    fn correct<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        open: Mask,
-        u: &mut [R],
-    ) -> R {
+    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, open: Mask, u: &mut [R]) -> R {
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
         let multipliers = structure.multipliers();
