@@ -1,157 +1,104 @@
-//! Throughput of scenes in lanes against the same scenes one after the other, on one thread, both
-//! measured by turns in one run.
+//! Throughput of the rows of a sweep in lanes against the same rows one after the other, on one
+//! thread, both measured by turns in one run: 8 scenes of 10 elements, assembly included.
 //! `cargo bench --bench ensembles`
 
 use std::time::Instant;
 
 use ancf::prelude::*;
-use ancf::scalar::{Laned, together};
+use ancf::sweep::{Experiment, Sweep};
 
-/// Pendulum of `D` dimensions: the path of its tip by fixed steps.
-fn swing<R: Real, const D: usize>(
-    young: R,
-    radius: R,
-    scheme: &impl Scheme<R>,
-    steps: usize,
-) -> Result<[R; D]>
-where
-    FullyParameterised: Build<R, D>,
-{
-    FullyParameterised::pendulum(young, radius, scheme, steps)
-}
+/// A pendulum for `[E, R]` and 200 steps of 1 ms.
+struct Pendulum<S, const D: usize>(S);
+/// A cantilever for `[E, R, load]`, loaded in 10 steps.
+struct Cantilever<const D: usize>;
 
-/// What differs between the plane and space in types only.
-trait Build<R: Real, const D: usize> {
-    fn pendulum(young: R, radius: R, scheme: &impl Scheme<R>, steps: usize) -> Result<[R; D]>;
-    fn cantilever(young: R, radius: R, load: R) -> Result<[R; D]>;
-}
-
-macro_rules! build {
+macro_rules! experiments {
     ($($d:literal),*) => {$(
-        impl<R: Real> Build<R, $d> for FullyParameterised {
-            fn pendulum(
-                young: R,
-                radius: R,
-                scheme: &impl Scheme<R>,
-                steps: usize,
-            ) -> Result<[R; $d]> {
-                let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+        experiments!(@pendulum $d, Newmark);
+        experiments!(@pendulum $d, EnergyMomentum);
+
+        impl Experiment<3> for Cantilever<$d> {
+            fn run<R: Real>(&self, [young, radius, load]: [R; 3]) -> Result<Vec<R>> {
                 let mut scene = Scene::<R, $d>::new();
-                let mut along = [R::zero(); $d];
-                along[0] = R::one();
-                let rod = Beam::new(Self, Disk::new(radius)?, Continuum::selective_reduced(rubber))
-                    .straight([R::zero(); $d], along, 10)
-                    .density(R::lit(7200.0));
-                let rod = scene.add(rod)?;
-                scene.pin(rod.start())?;
-                let mut down = [R::zero(); $d];
-                down[1] = R::lit(-9.81);
-                scene.gravity(down)?;
-                let system = scene.assemble()?;
-                let mut run = Integration::start(&system, system.rest(), scheme)?;
-                for _ in 0..steps {
-                    run.step(R::lit(1e-3))?;
-                }
-                system.position(run.state(), rod.end())
-            }
-            fn cantilever(young: R, radius: R, load: R) -> Result<[R; $d]> {
-                let steel = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
-                let mut scene = Scene::<R, $d>::new();
-                let mut along = [R::zero(); $d];
-                along[0] = R::one();
-                let rod = Beam::new(Self, Disk::new(radius)?, Continuum::selective_reduced(steel))
-                    .straight([R::zero(); $d], along, 10);
-                let rod = scene.add(rod)?;
+                let rod = scene.add(rod::<R, $d>(young, radius)?)?;
                 scene.clamp(rod.start())?;
-                let mut down = [R::zero(); $d];
-                down[1] = -load;
-                scene.force(rod.end(), down)?;
+                scene.force(rod.end(), axis(1, -load))?;
                 let system = scene.assemble()?;
                 let mut state = system.rest();
                 Statics::in_steps(10).solve(&system, &mut state)?;
-                system.position(&state, rod.end())
+                Ok(system.position(&state, rod.end())?.to_vec())
             }
         }
     )*};
+    (@pendulum $d:literal, $scheme:ty) => {
+        impl Experiment<2> for Pendulum<$scheme, $d> {
+            fn run<R: Real>(&self, [young, radius]: [R; 2]) -> Result<Vec<R>> {
+                let mut scene = Scene::<R, $d>::new();
+                let rod = scene.add(rod::<R, $d>(young, radius)?)?;
+                scene.pin(rod.start())?;
+                scene.gravity(axis(1, R::lit(-9.81)))?;
+                let system = scene.assemble()?;
+                let mut run = Integration::start(&system, system.rest(), &self.0)?;
+                run.until(R::lit(0.2), Stepping::Fixed(1e-3), |_| {})?;
+                Ok(system.position(run.state(), rod.end())?.to_vec())
+            }
+        }
+    };
 }
-build!(2, 3);
+experiments!(2, 3);
 
-/// Best time of several of each, taken by turns, and the largest difference of the results.
-fn compare<T: Laned, const D: usize>(
+type Rod<R, const D: usize> =
+    Beam<R, FullyParameterised, Continuum<SaintVenantKirchhoff<R, D>>, Disk<R>, D>;
+
+fn axis<R: Real, const D: usize>(a: usize, size: R) -> [R; D] {
+    std::array::from_fn(|c| if c == a { size } else { R::zero() })
+}
+
+fn rod<R: Real, const D: usize>(young: R, radius: R) -> Result<Rod<R, D>> {
+    let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+    let formulation = Continuum::selective_reduced(rubber);
+    let beam = Beam::new(FullyParameterised, Disk::new(radius)?, formulation);
+    let placed = beam.straight([R::zero(); D], axis(0, R::one()), 10);
+    Ok(placed.density(R::lit(7200.0)))
+}
+
+/// Best times of several, and the largest difference of the results.
+fn compare<const P: usize>(
     name: &str,
-    single: impl Fn(usize) -> Result<[T; D]>,
-    packed: impl Fn() -> Result<[T::Pack; D]>,
+    experiment: &impl Experiment<P>,
+    row: impl Fn(f64) -> [f64; P],
 ) -> Result<()> {
-    let (mut alone, mut lanes) = (f64::INFINITY, f64::INFINITY);
+    let alone = Sweep::list((0..8).map(|n| row(f64::from(n))).collect())?;
+    let lanes = alone.clone().in_lanes();
+    let mut best = [f64::INFINITY; 2];
     let mut apart = 0.0_f64;
     for _ in 0..7 {
-        let start = Instant::now();
-        let one_by_one = (0..T::Pack::LANES)
-            .map(&single)
-            .collect::<Result<Vec<_>>>()?;
-        alone = alone.min(start.elapsed().as_secs_f64());
-        let start = Instant::now();
-        let Some(together) = together(&packed) else {
-            println!("{name}: the lanes part");
-            return Ok(());
-        };
-        let together = together?.map(T::unpack);
-        lanes = lanes.min(start.elapsed().as_secs_f64());
-        for (lane, one) in one_by_one.iter().enumerate() {
-            for (one, pack) in one.iter().zip(&together) {
-                apart = apart.max((one.value() - pack[lane].value()).abs());
+        let results = [(&alone, 0), (&lanes, 1)].map(|(sweep, which)| {
+            let start = Instant::now();
+            let results = sweep.run(experiment);
+            best[which] = best[which].min(start.elapsed().as_secs_f64());
+            results
+        });
+        for (one, lane) in results[0].rows().iter().zip(results[1].rows()) {
+            for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
+                apart = apart.max((one - lane).abs());
             }
         }
     }
-    println!(
-        "{name:42} {:9.3} ms {:9.3} ms {:6.2} {apart:9.1e} m",
-        1e3 * alone,
-        1e3 * lanes,
-        alone / lanes
-    );
+    let [alone, lanes] = best.map(|time| 1e3 * time);
+    let ratio = alone / lanes;
+    println!("{name:22} {alone:9.2} {lanes:9.2} {ratio:6.2} {apart:9.1e}");
     Ok(())
 }
 
-fn young<T: Laned>(lane: usize) -> T {
-    T::lit(2.0e7 * (1.0 + 0.05 * lane as f64))
-}
-fn radius<T: Laned>(lane: usize) -> T {
-    T::lit(0.01 * (1.0 + 0.02 * lane as f64))
-}
-fn load<T: Laned>(lane: usize) -> T {
-    T::lit(0.3 * (1.0 + 0.1 * lane as f64))
-}
-
-fn both<T: Laned, const D: usize>(number: &str) -> Result<()>
-where
-    FullyParameterised: Build<T, D> + Build<T::Pack, D>,
-{
-    let (e, r, f) = (
-        T::pack(young::<T>),
-        T::pack(radius::<T>),
-        T::pack(load::<T>),
-    );
-    compare::<T, D>(
-        &format!("statics, {D}D, {number}"),
-        |n| <FullyParameterised as Build<T, D>>::cantilever(young(n), radius(n), load(n)),
-        || <FullyParameterised as Build<T::Pack, D>>::cantilever(e, r, f),
-    )?;
-    let newmark = Newmark::trapezoidal();
-    compare::<T, D>(
-        &format!("Newmark, {D}D, {number}"),
-        |n| swing(young::<T>(n), radius(n), &newmark, 100),
-        || swing(e, r, &newmark, 100),
-    )?;
-    let conserving = EnergyMomentum::conserving();
-    compare::<T, D>(
-        &format!("energy-momentum, {D}D, {number}"),
-        |n| swing(young::<T>(n), radius(n), &conserving, 100),
-        || swing(e, r, &conserving, 100),
-    )
-}
-
 fn main() -> Result<()> {
-    println!("10 elements, best of 7:                    one by one    in lanes  ratio      apart");
-    both::<f64, 3>("f64")?;
-    both::<f64, 2>("f64")
+    let rod = |n: f64| [2.0e7 * (1.0 + 0.05 * n), 0.01 * (1.0 + 0.02 * n)];
+    let loaded = |n: f64| [rod(n)[0], rod(n)[1], 0.1 * (1.0 + 0.1 * n)];
+    let (newmark, conserving) = (Newmark::trapezoidal(), EnergyMomentum::conserving());
+    println!("ms for 8 scenes        one by one  in lanes  ratio  apart (m)");
+    compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
+    compare("plane, statics", &Cantilever::<2>, loaded)?;
+    compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
+    compare("space, statics", &Cantilever::<3>, loaded)?;
+    compare("plane, energy-momentum", &Pendulum::<_, 2>(conserving), rod)
 }

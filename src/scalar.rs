@@ -142,11 +142,12 @@ pub trait Algebra<R>: Field {
 }
 
 /// What a solver needs of a number: a [`Scalar`] with order, division, elementary functions and
-/// a rounding unit. `f32`, `f64`, `DoubleDouble` (with the feature `double-double`) and dual
-/// numbers over them; dual numbers compare by their real part, so a simulation in duals takes the very steps of the plain one.
+/// a rounding unit. `f32`, `f64`, `DoubleDouble` (with the feature `double-double`), dual numbers
+/// over them, and [`Pack`]s. Dual numbers compare by their real part, so a simulation in duals takes
+/// the very steps of the plain one; packs compare in all lanes at once, see [`together`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a real number type of the solvers",
-    note = "solvers run in f32, f64, DoubleDouble (feature `double-double`) and in num-dual's Dual and DualSVec over them"
+    note = "solvers run in f32, f64, DoubleDouble (feature `double-double`), in num-dual's Dual and DualSVec over them, and in packs of f32 and f64"
 )]
 pub trait Real: Algebra<Self> + DualNumCopy {
     /// Distance from 1 to the next number of the real part's type.
@@ -155,8 +156,8 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     const ORDER: usize;
     /// Simultaneous computations that a number carries: one, but for [`Pack`]s.
     const LANES: usize = 1;
-    /// The real part, in double precision: for messages, plots and decisions that need no more.
-    /// Packs have one only if it is that of every lane.
+    /// The real part, in double precision: for messages, plots and decisions that need no more. Of a
+    /// pack it must be that of every lane, or the run is [void](together).
     fn value(self) -> f64;
     /// The real part of one of its computations, by its number from zero.
     fn lane(self, _lane: usize) -> f64 {
@@ -168,7 +169,8 @@ pub trait Real: Algebra<Self> + DualNumCopy {
             .map(|n| self.lane(n))
             .fold(f64::NEG_INFINITY, f64::max)
     }
-    /// Whether the value (and every derivative it carries) is finite.
+    /// Whether the value (and every derivative it carries) is finite. Packs are not once their
+    /// lanes have parted.
     fn finite(self) -> bool;
     /// In which of its computations the number is at most `other`: a decision that may differ
     /// between them. Comparisons by operators are one decision for all.

@@ -135,7 +135,7 @@ pub(super) fn parted() -> bool {
 /// }
 /// let pack = |from: f64| Pack(std::array::from_fn(|lane| from + lane as f64));
 /// let root = together(|| larger_root(pack(1.0)));
-/// assert_eq!(root.map(|root| f64::unpack(root)[7]), Some(8.0));
+/// assert_eq!(root.map(|root| f64::unpack(root, 7)), Some(8.0));
 /// assert!(together(|| larger_root(pack(-4.0))).is_none());
 /// ```
 pub fn together<T>(work: impl FnOnce() -> T) -> Option<T> {

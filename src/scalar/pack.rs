@@ -30,8 +30,11 @@ pub trait Laned: Real {
     type Pack: Real;
     /// One number in each lane, by its number from zero.
     fn pack(lane: impl Fn(usize) -> Self) -> Self::Pack;
-    /// The numbers of all lanes.
-    fn unpack(pack: Self::Pack) -> impl AsRef<[Self]> + std::ops::Index<usize, Output = Self>;
+    /// The number of one lane.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    fn unpack(pack: Self::Pack, lane: usize) -> Self;
 }
 
 /// A [`Pack`] in `C` registers.
@@ -258,10 +261,8 @@ macro_rules! packs {
             fn pack(lane: impl Fn(usize) -> Self) -> Self::Pack {
                 Pack(std::array::from_fn(lane))
             }
-            fn unpack(
-                pack: Self::Pack,
-            ) -> impl AsRef<[Self]> + std::ops::Index<usize, Output = Self> {
-                pack.0
+            fn unpack(pack: Self::Pack, lane: usize) -> Self {
+                pack.0[lane]
             }
         }
         operators! {

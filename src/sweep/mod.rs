@@ -243,7 +243,7 @@ fn group<R: Laned, const P: usize>(
         let row = |lane: usize| &rows[lane.min(rows.len() - 1)];
         let packed = std::array::from_fn(|k| R::pack(|lane| row(lane)[k]));
         if let Some(Ok(outputs)) = together(|| experiment.run::<R::Pack>(packed)) {
-            let lane = |lane: usize| outputs.iter().map(|y| R::unpack(*y)[lane]).collect();
+            let lane = |lane: usize| outputs.iter().map(|y| R::unpack(*y, lane)).collect();
             return (0..rows.len()).map(|n| Ok(lane(n))).collect();
         }
     }
