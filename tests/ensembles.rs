@@ -72,14 +72,6 @@ fn statics_in_lanes_are_those_of_each_row() {
 }
 
 #[test]
-fn statics_stay_together_in_lanes() {
-    let rows: Vec<_> = cantilevers().run(&Cantilever::<3>).rows().to_vec();
-    let pack = |k: usize| <f64 as ancf::scalar::Laned>::pack(|n| rows[n].parameters[k]);
-    let run = || Cantilever::<3>.run([pack(0), pack(1), pack(2)]);
-    assert!(ancf::scalar::together(run).is_some(), "the lanes part");
-}
-
-#[test]
 fn motions_in_lanes_are_those_of_each_row() {
     fn check<S>(scheme: S)
     where
