@@ -169,7 +169,7 @@ impl Statics {
                     report.iterations += solved.iterations;
                     report.residual = solved.residual;
                     report.at_floor = solved.at_floor;
-                    if solved.iterations <= 6 {
+                    if solved.decide(|iterations| iterations <= 6) {
                         step = (step * R::lit(2.0)).smaller(full);
                     }
                 }
