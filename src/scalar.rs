@@ -325,8 +325,13 @@ macro_rules! float {
             fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
                 #[cfg(target_arch = "x86_64")]
                 if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                    // SAFETY: the processor has the instructions.
-                    return match !W::HEAVY && is_x86_feature_detected!("avx512f") {
+                    // What is not called for is not compiled, either: a question of constants alone.
+                    if W::HEAVY {
+                        // SAFETY: the processor has the instructions.
+                        return unsafe { x86::$run(work) };
+                    }
+                    // SAFETY: the same.
+                    return match is_x86_feature_detected!("avx512f") {
                         true => unsafe { x86::$wide(work) },
                         false => unsafe { x86::$run(work) },
                     };
