@@ -49,7 +49,7 @@ impl From<RunReport> for Effort {
     }
 }
 
-/// Does work until a tenth of a second has gone into it, and says how long it took at best (s).
+/// Does work until some hundredths of a second have gone into it, and says how long it took at best (s).
 ///
 /// # Errors
 /// Those of the work.
@@ -60,7 +60,7 @@ pub fn timed<T>(mut work: impl FnMut() -> Result<T>) -> Result<(f64, T)> {
         let done = work()?;
         let seconds = start.elapsed().as_secs_f64();
         (best, spent) = (best.min(seconds), spent + seconds);
-        if spent > 0.1 {
+        if spent > 0.02 {
             return Ok((best, done));
         }
     }

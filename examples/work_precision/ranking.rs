@@ -21,7 +21,7 @@ fn cheapest<'a>(
 
 /// Whether a run is the paper's full integration.
 fn is_paper(record: &Record) -> bool {
-    record.model.starts_with("paper: full")
+    record.model.starts_with("paper: full") && !record.method.contains("when slow")
 }
 
 /// Whether a run has the paper's limit, a continuum without Poisson's ratio.
