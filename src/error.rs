@@ -169,15 +169,24 @@ pub enum Error {
         /// Volume spanned by the slopes over that of the reference state.
         ratio: f64,
     },
-    /// The tangent at the start of a solve is singular: the structure is a mechanism.
+    /// The tangent is singular to the digits of its numbers: the structure is a mechanism, or so
+    /// slender, uneven or light that its softest stiffness or its inertia is lost beside the largest.
     #[error(
-        "nothing holds {coordinate} (pivot {pivot:.1e}): the structure can move without deforming; add supports (Scene::clamp, pin, fix), or solve its dynamics"
+        "nothing holds {coordinate} (pivot {pivot:.1e}) beyond the rounding of the numbers: either the structure can move without deforming, then add supports (Scene::clamp, pin, fix) or solve its dynamics; or it is so slender, uneven or light that its softest part is lost beside its stiffest, then take a number type of more digits or fewer elements"
     )]
     Mechanism {
         /// The first coordinate found to be free, in words.
         coordinate: String,
         /// The vanishing pivot.
         pivot: f64,
+    },
+    /// An equilibrium of which rounding leaves no digit.
+    #[error(
+        "rounding leaves no digit of the displacements (one more correction would change them by {share:.1e} of themselves): the stiffness spans more orders of magnitude than the number type has digits; take one of more digits, or fewer or stockier elements"
+    )]
+    NoDigits {
+        /// Change by one more correction over the displacements.
+        share: f64,
     },
     /// A constraint that has nothing left to hold and yet does not follow from the others.
     #[error(

@@ -53,6 +53,7 @@
 //! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
 //! | [`solver`] | band and sparse factorisation, Newton's method, statics, path following with its limit and bifurcation points, natural frequencies and buckling loads |
 //! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events, checkpoints |
+//! | [`sweep`] | one experiment for many parameters, in lanes, threads and shards |
 //! | [`analytical`] | exact solutions to test against |
 //! | [`verify`] | checks of your own elements, sections, materials and derivatives; where digits are lost |
 
@@ -67,6 +68,7 @@ pub mod scalar;
 pub mod scene;
 pub mod section;
 pub mod solver;
+pub mod sweep;
 mod tensor;
 pub mod verify;
 

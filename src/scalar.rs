@@ -14,6 +14,7 @@ use simba::simd::{WideF32x8, WideF64x4};
 
 mod jet;
 mod lanes;
+mod mask;
 #[cfg(target_arch = "x86_64")]
 #[allow(
     unsafe_code,
@@ -25,6 +26,8 @@ mod x86;
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
 pub use lanes::{LaneWork, Lanes};
+pub use mask::{Mask, together};
+pub use pack::{Laned, Pack};
 
 /// What a kernel needs of a number: ring operations and constants.
 ///
@@ -139,21 +142,47 @@ pub trait Algebra<R>: Field {
 }
 
 /// What a solver needs of a number: a [`Scalar`] with order, division, elementary functions and
-/// a rounding unit. `f32`, `f64`, `DoubleDouble` (with the feature `double-double`) and dual
-/// numbers over them; dual numbers compare by their real part, so a simulation in duals takes the very steps of the plain one.
+/// a rounding unit. `f32`, `f64`, `DoubleDouble` (with the feature `double-double`), dual numbers
+/// over them, and [`Pack`]s. Dual numbers compare by their real part, so a simulation in duals takes
+/// the very steps of the plain one; packs compare in all lanes at once, see [`together`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a real number type of the solvers",
-    note = "solvers run in f32, f64, DoubleDouble (feature `double-double`) and in num-dual's Dual and DualSVec over them"
+    note = "solvers run in f32, f64, DoubleDouble (feature `double-double`), in num-dual's Dual and DualSVec over them, and in packs of f32 and f64"
 )]
 pub trait Real: Algebra<Self> + DualNumCopy {
     /// Distance from 1 to the next number of the real part's type.
     const EPSILON: f64;
     /// Order of the derivatives the type carries: 0 for plain floats.
     const ORDER: usize;
-    /// The real part, in double precision: for messages, plots and decisions that need no more.
+    /// Simultaneous computations that a number carries: one, but for [`Pack`]s.
+    const LANES: usize = 1;
+    /// The real part, in double precision: for messages, plots and decisions that need no more. Of a
+    /// pack it must be that of every lane, or the run is [void](together).
     fn value(self) -> f64;
-    /// Whether the value (and every derivative it carries) is finite.
+    /// The real part of one of its computations, by its number from zero.
+    fn lane(self, _lane: usize) -> f64 {
+        self.value()
+    }
+    /// The largest of the real parts of its computations: for reports.
+    fn largest(self) -> f64 {
+        (0..Self::LANES)
+            .map(|n| self.lane(n))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+    /// Whether the value (and every derivative it carries) is finite. Packs are not once their
+    /// lanes have parted.
     fn finite(self) -> bool;
+    /// In which of its computations the number is at most `other`: a decision that may differ
+    /// between them. Comparisons by operators are one decision for all.
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Mask {
+        (self <= other).into()
+    }
+    /// This number where `mask` holds and `other` elsewhere.
+    #[inline(always)]
+    fn where_else(self, mask: Mask, other: Self) -> Self {
+        if mask.all() { self } else { other }
+    }
     /// Runs `work` in the lanes of this type that suit the processor best; in the type itself
     /// where there are none.
     #[inline]
@@ -270,6 +299,7 @@ macro_rules! plain {
 
 #[cfg(feature = "double-double")]
 mod double_double;
+mod pack;
 
 macro_rules! float {
     ($($t:ty, $portable:ty, $run:ident, $wide:ident);*) => {$(

@@ -7,6 +7,7 @@ mod constraints;
 mod derivatives;
 mod dynamics;
 mod elements;
+mod ensembles;
 mod families;
 mod joints;
 mod lanes;

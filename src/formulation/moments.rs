@@ -5,7 +5,7 @@
 
 use super::law::{SectionLaw, SectionStiffness, first_column};
 use crate::material::{Moduli, green_lagrange};
-use crate::scalar::{Algebra, Real, Scalar};
+use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::tensor::{add_scaled, add_times, array, between, dot};
 
 /// Constant moduli contracted with the moments `sum_p w_p phi_k phi_l ..` of a rule over the
@@ -57,14 +57,15 @@ impl<R: Real, const D: usize> MomentSection<R, D, false> {
             }
             for k in 0..D {
                 for l in 0..D {
-                    let moment = *w * phi[k] * phi[l];
+                    // Moduli first: moments alone of a small section leave the range of singles.
+                    let moment = |modulus: R| *w * modulus * phi[k] * phi[l];
                     for a in 1..D {
-                        self.coupling[a][k][l] += moment * normal[0][a];
-                        self.shear[a][k][l] += moment * shear[0][a];
+                        self.coupling[a][k][l] += moment(normal[0][a]);
+                        self.shear[a][k][l] += moment(shear[0][a]);
                     }
                     for m in 0..D {
                         for n in 0..D {
-                            self.axial[k][l][m][n] += moment * phi[m] * phi[n] * normal[0][0];
+                            self.axial[k][l][m][n] += moment(normal[0][0]) * phi[m] * phi[n];
                         }
                     }
                 }
@@ -82,7 +83,8 @@ impl<R: Real, const D: usize> MomentSection<R, D, false> {
         }
         let small = R::lit(64.0 * R::EPSILON);
         // Against the even moments that bound it, by Cauchy and Schwarz.
-        let vanishes = |odd: R, a: R, b: R| odd * odd <= (a * b).abs() * small * small;
+        let root = |a: R| Field::sqrt(a.abs());
+        let vanishes = |odd: R, a: R, b: R| odd.abs() <= root(a) * root(b) * small;
         for k in 0..D {
             for l in 0..D {
                 for a in 1..D {

@@ -35,10 +35,13 @@ where
         std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }));
     let reference = Reference::straight(element, length, axes);
     let size = S * D;
-    let target = size - rigid_modes::<R, E, D, S>(&reference);
+    let lanes = || 0..R::LANES;
+    let rigid = lanes().map(|lane| rigid_modes::<R, E, D, S>(&reference, lane));
+    let target = size - rigid.max().unwrap_or(0);
     let rank_of = |trial: &F| -> Result<usize> {
         let kernel = trial.kernel(element, &reference, section)?;
-        Ok(rank::<R, E, _, D, S>(&kernel, &reference))
+        let ranks = lanes().map(|lane| rank::<R, E, _, D, S>(&kernel, &reference, lane));
+        Ok(ranks.min().unwrap_or(0))
     };
     let rank = rank_of(formulation)?;
     if rank >= target {
@@ -119,6 +122,7 @@ impl<R: Real> Section<R> for Stocky<'_, R> {
 /// Number of independent rigid motions the coordinates can tell apart.
 fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     reference: &Reference<R, D, S>,
+    lane: usize,
 ) -> usize {
     let e = &reference.vectors;
     let per_node = E::VECTORS.len();
@@ -131,10 +135,10 @@ fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
         for b in 0..a {
             modes.push(DMatrix::from_fn(S * D, 1, |row, _| {
                 let vector = row / D;
-                let unit = unit::<R, E, D, S>(row, reference);
+                let unit = unit::<R, E, D, S>(row, reference, lane);
                 match row % D {
-                    c if c == a => -e[vector][b].value() / unit,
-                    c if c == b => e[vector][a].value() / unit,
+                    c if c == a => -e[vector][b].lane(lane) / unit,
+                    c if c == b => e[vector][a].lane(lane) / unit,
                     _ => 0.0,
                 }
             }));
@@ -148,9 +152,10 @@ fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     row: usize,
     reference: &Reference<R, D, S>,
+    lane: usize,
 ) -> f64 {
     match E::VECTORS[(row / D) % E::VECTORS.len()] {
-        NodalVector::Position => reference.length.value(),
+        NodalVector::Position => reference.length.lane(lane),
         NodalVector::Slope(_) => 1.0,
     }
 }
@@ -159,14 +164,15 @@ fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
 fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
     kernel: &Kn,
     reference: &Reference<R, D, S>,
+    lane: usize,
 ) -> usize {
-    let unit = |row: usize| unit::<R, E, D, S>(row, reference);
+    let unit = |row: usize| unit::<R, E, D, S>(row, reference, lane);
     let mut q = [[R::zero(); D]; S];
     let mut k = [[[[R::zero(); D]; S]; D]; S];
     kernel.tangent(&[[R::zero(); D]; S], &mut q, &mut k);
     let k = k.as_flattened().as_flattened().as_flattened();
     let matrix = DMatrix::from_fn(S * D, S * D, |i, j| {
-        unit(i) * k[i * S * D + j].value() * unit(j)
+        unit(i) * k[i * S * D + j].lane(lane) * unit(j)
     });
     let top = matrix.diagonal().amax();
     let scale = matrix.diagonal().map(|d| {

@@ -499,8 +499,8 @@ fn section_linear<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
 ) -> bool {
-    let small = 1e3 * R::EPSILON * length.value();
-    let curved = |s: HyperDual<R>| s.eps1eps2.value().abs() > small;
+    let small = R::lit(1e3 * R::EPSILON) * length;
+    let curved = |s: HyperDual<R>| s.eps1eps2.abs() > small;
     // Two points off the axis tell any polynomial but one made to vanish there.
     [0.3, 0.9].into_iter().all(|xi| {
         let mut point = [R::lit(0.25); D];

@@ -230,6 +230,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
     /// [`Error::StepFailed`] with the cause; the state before the step is kept.
     pub fn step(&mut self, step: R) -> Result<()> {
         positive("time step [s]", step)?;
+        self.told(step)?;
         self.sure(step)?;
         self.accept();
         Ok(())
@@ -330,6 +331,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
         let step = R::lit(positive("time step [s]", step)?);
         let mut pace = Pace::from(self.progress.pace, self.state.time, step, self.end);
         while let Some(part) = pace.next(self.state.time, self.end) {
+            self.told(part)?;
             if let Err(cause) = self.attempt(part) {
                 let vain = matches!(cause, Error::LoadNotFinite { .. });
                 let Some(half) = (!vain).then(|| pace.halve(halvings)).flatten() else {
@@ -348,6 +350,20 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
         Ok(Ending::End)
     }
 
+    /// Refuses a step that the clock cannot tell from the steps beside it.
+    fn told(&self, step: R) -> Result<()> {
+        let least = self.state.time.abs() * R::lit(TICKS * R::EPSILON);
+        if step >= least {
+            return Ok(());
+        }
+        Err(Error::OutOfRange {
+            what: "time step [s]",
+            value: step.value(),
+            range: "four rounding units of the time, or more",
+            remedy: "the clock would not see the step: start it at zero, or take a number type of more digits",
+        })
+    }
+
     /// Takes the step just tried, which ends at `time` if that is known better than by summing, or
     /// the part of it up to an event, and says whether the run ends with it.
     fn take<O: Observation>(
@@ -359,7 +375,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
     ) -> Result<Option<Ending>> {
         let met = watch.meets(&self.state, &self.next)?;
         if let Some(distances) = met {
-            let least = self.next.time.abs() * R::lit(4.0 * R::EPSILON);
+            let least = self.next.time.abs() * R::lit(TICKS * R::EPSILON);
             locate([R::zero(), step], distances, least, |part| {
                 self.sure(part)?;
                 Ok(watch.distance(&self.next))
@@ -401,7 +417,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
     fn left(&mut self) -> Option<R> {
         let (end, now) = (self.end, self.state.time);
         let left = end - now;
-        if left <= end.abs().larger(now.abs()) * R::lit(4.0 * R::EPSILON) {
+        if left <= end.abs().larger(now.abs()) * R::lit(TICKS * R::EPSILON) {
             self.state.time = end;
             return None;
         }
@@ -553,6 +569,9 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
         }
     }
 }
+
+/// Rounding units of the time below which a step is none.
+const TICKS: f64 = 4.0;
 
 /// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
 fn even<R: Real>(left: R, step: R) -> R {

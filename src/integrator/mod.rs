@@ -140,9 +140,7 @@ fn impose_mean<R: Real, S: Structure<R>>(
     for i in 0..mean.len() {
         // Nothing but what had to change, so that rounding is not divided by the step.
         let change = scratch[i] - (now.velocity[i] + step * mean[i]);
-        if R::ORDER > 0 || !change.is_zero() {
-            mean[i] += change / step;
-        }
+        mean[i] += change / step;
     }
     Ok(())
 }

@@ -47,7 +47,10 @@ impl<R: Real> Pace<R> {
             let steps = ((end - self.start) / self.step).value() + 1e-6;
             (self.length, self.to) = if self.whole < steps.floor() as u64 {
                 (self.step, self.counted(self.whole + 1))
-            } else if end - now > self.step * R::lit(1e-6) {
+            } else if end - now > self.step * R::lit(1e-6)
+                // What rounding of the time leaves is no step.
+                && end - now > end.abs().larger(now.abs()) * R::lit(4.0 * R::EPSILON)
+            {
                 (end - now, end)
             } else {
                 return None;

@@ -22,6 +22,10 @@ pub struct SaintVenantKirchhoff<R, const D: usize> {
     moduli: Moduli<R, D>,
 }
 
+/// Rounding units of one that `1 - 2 nu` must have for the shear modulus to keep two digits beside
+/// the bulk modulus.
+const HIDDEN: f64 = 100.0;
+
 impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
     /// Isotropic material with Young's modulus `young` (Pa) and Poisson ratio `poisson`.
     ///
@@ -30,7 +34,8 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
     ///
     /// # Errors
     /// [`Error::NotPositive`] for the modulus, [`Error::OutOfRange`] for a Poisson ratio outside
-    /// the open interval (-1, 1/2), where the law has no positive energy.
+    /// the open interval (-1, 1/2), where the law has no positive energy, and in space for one so
+    /// near 1/2 that the number type loses the shear modulus beside the bulk modulus.
     pub fn isotropic(young: R, poisson: R) -> Result<Self> {
         let young = positive("Young's modulus [Pa]", young)?;
         let half = R::lit(0.5);
@@ -40,6 +45,16 @@ impl<R: Real, const D: usize> SaintVenantKirchhoff<R, D> {
                 value: poisson.value(),
                 range: "the open interval (-1, 0.5)",
                 remedy: "take a value below 0.5 (0.4999 for nearly incompressible material)",
+            });
+        }
+        // The bulk modulus exceeds the shear modulus as 1 / (1 - 2 nu).
+        let left = 1.0 - 2.0 * poisson.value();
+        if D > 2 && left < HIDDEN * R::EPSILON {
+            return Err(Error::OutOfRange {
+                what: "Poisson ratio",
+                value: poisson.value(),
+                range: "what the number type can tell from 0.5 to two digits",
+                remedy: "the shear modulus would be lost in rounding of the bulk modulus: take a smaller ratio, or a number type of more digits",
             });
         }
         let (one, two) = (R::one(), R::lit(2.0));

@@ -135,30 +135,29 @@ fn eigenvalue<R: Real>(diagonal: &[R], off: &[R], k: usize) -> R {
     let bound = low.abs().larger(high.abs());
     let tiny = bound * R::lit(R::EPSILON * R::EPSILON);
     let below = |x: R| {
-        let mut count = 0;
+        let mut count = R::zero();
         let mut pivot = R::one();
         for i in 0..n {
             let coupling = if i > 0 { off[i] * off[i] } else { R::zero() };
             pivot = diagonal[i] - x - coupling / pivot;
-            if pivot.abs() < tiny {
-                pivot = -tiny;
-            }
-            if pivot < R::zero() {
-                count += 1;
-            }
+            pivot = pivot.where_else(tiny.at_most(pivot.abs()), -tiny);
+            count += R::zero().where_else(R::zero().at_most(pivot), R::one());
         }
         count
     };
     let half = R::lit(0.5);
-    while (high - low).value() > (bound * R::lit(2.0 * R::EPSILON)).value() {
-        let middle = half * (low + high);
-        if below(middle) > k {
-            high = middle;
-        } else {
-            low = middle;
+    let resolution = bound * R::lit(2.0 * R::EPSILON);
+    loop {
+        let gap = high - low;
+        let open = resolution.at_most(gap) & !gap.at_most(resolution);
+        if !open.any() {
+            return half * (low + high);
         }
+        let middle = half * (low + high);
+        let above = R::lit(k as f64 + 1.0).at_most(below(middle));
+        high = middle.where_else(above & open, high);
+        low = middle.where_else(!above & open, low);
     }
-    half * (low + high)
 }
 
 /// Legendre nodes on the interval from 0 to 1, mirrored about its middle to the last bit.

@@ -28,7 +28,8 @@ macro_rules! by_jet {
         }
         #[inline(always)]
         fn variable<const M: usize>(self, k: usize) -> Jet<Self, M> {
-            let mut jet: Jet<Self, M> = self.constant();
+            let eps = [Self::zero(); M];
+            let mut jet = Jet { re: self, eps };
             jet.eps[k] = Self::one();
             jet
         }

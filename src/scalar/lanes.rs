@@ -26,9 +26,6 @@ pub trait Lanes<R>: Algebra<R> {
     /// If it holds fewer.
     fn store(self, to: &mut [R]);
 
-    /// The sum of the numbers.
-    fn sum(self) -> R;
-
     /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
     /// lane of `columns[i]`.
     ///
@@ -68,10 +65,6 @@ impl<R: Real> Lanes<R> for R {
     #[inline(always)]
     fn store(self, to: &mut [R]) {
         to[0] = self;
-    }
-    #[inline(always)]
-    fn sum(self) -> R {
-        self
     }
     #[inline(always)]
     fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
@@ -184,10 +177,6 @@ macro_rules! lanes {
             #[inline(always)]
             fn store(self, to: &mut [$r]) {
                 to[..$width].copy_from_slice(&<[$r; $width]>::from(self.0));
-            }
-            #[inline(always)]
-            fn sum(self) -> $r {
-                <[$r; $width]>::from(self.0).into_iter().sum()
             }
             by_array!($r, $width);
         }

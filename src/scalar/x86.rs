@@ -9,6 +9,7 @@ use num_traits::{One, Zero};
 
 use super::jet::{self, Jet};
 use super::lanes::{LaneWork, Lanes};
+use super::pack::{Pack, Wide};
 use super::{Algebra, Field, Scalar};
 
 /// Rows and columns are exchanged in square blocks of this many.
@@ -70,6 +71,7 @@ fn transpose_f32(tile: &mut [[f32; TILE]; TILE]) {
 macro_rules! register {
     (
         $t:ident, $raw:ident, $r:ty, $width:literal, $feature:literal, $run:ident,
+        $pack:literal in $count:literal, $run_pack:ident,
         $set:ident $load:ident $store:ident $tile:ident
         $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $fused:ident
     ) => {
@@ -82,8 +84,14 @@ macro_rules! register {
             work.run::<$t>()
         }
 
-        // SAFETY, here and below: numbers of this type are made by work inside `$run` only, whose
-        // caller has found the processor to have the instructions.
+        /// Runs work on packs in registers of this type.
+        #[target_feature(enable = $feature)]
+        pub(super) fn $run_pack<W: LaneWork<Pack<$r, $pack>>>(work: W) -> W::Output {
+            work.run::<Wide<$t, $count>>()
+        }
+
+        // SAFETY, here and below: numbers of this type are made by work inside `$run` and `$run_pack` only, whose
+        // callers have found the processor to have the instructions.
         register!(@operator $t, Add add $add, AddAssign add_assign);
         register!(@operator $t, Sub sub $sub, SubAssign sub_assign);
         register!(@operator $t, Mul mul $mul, MulAssign mul_assign);
@@ -186,10 +194,6 @@ macro_rules! register {
                 let to = &mut to[..$width];
                 unsafe { $store(to.as_mut_ptr(), self.0) }
             }
-            #[inline(always)]
-            fn sum(self) -> $r {
-                self.to_array().into_iter().sum()
-            }
             const WIDTH: usize = $width;
 
             #[inline(always)]
@@ -274,21 +278,25 @@ macro_rules! register {
 
 register!(
     F64x4, __m256d, f64, 4, "avx2,fma", in_f64x4,
+    8 in 2, in_two_f64x4,
     _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd transpose_f64
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd _mm256_fmadd_pd
 );
 register!(
     F32x8, __m256, f32, 8, "avx2,fma", in_f32x8,
+    16 in 2, in_two_f32x8,
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps transpose_f32
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps _mm256_fmadd_ps
 );
 register!(
     F64x8, __m512d, f64, 8, "avx512f,avx2,fma", in_f64x8,
+    8 in 1, in_one_f64x8,
     _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd transpose_f64
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_fmadd_pd
 );
 register!(
     F32x16, __m512, f32, 16, "avx512f,avx2,fma", in_f32x16,
+    16 in 1, in_one_f32x16,
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps transpose_f32
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_fmadd_ps
 );

@@ -182,14 +182,14 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
         let mass = match self.density {
             Some(density) => {
                 let area = self.section.properties()?.area;
-                format!("{:.4e} kg", (density * area * length).value())
+                format!("{:.4e} kg", (density * area * length).largest())
             }
             None => "no mass".into(),
         };
         let description = format!(
             "{elements} elements of {:?}, {:.4e} m long, {mass}\n    section {:?}\n    {:?}",
             self.element,
-            length.value(),
+            length.largest(),
             self.section,
             self.formulation,
         );

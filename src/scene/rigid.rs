@@ -142,7 +142,7 @@ impl<R: Real, const D: usize> RigidBody<R, D> {
                 moments[a + 1][b + 1] = second[a][b] + mass * self.centre[a] * self.centre[b];
             }
         }
-        let description = format!("a rigid body of {:.4e} kg", mass.value());
+        let description = format!("a rigid body of {:.4e} kg", mass.largest());
         let frame = self.frame;
         let rigid = Rigid {
             vectors: std::iter::once(self.position).chain(frame).collect(),

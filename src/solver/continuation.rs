@@ -114,8 +114,9 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 Ok(solved) => {
                     self.report.points += 1;
                     self.report.corrections += solved.iterations;
+                    self.report.at_floor += usize::from(solved.at_floor);
                     let ratio =
-                        (self.settings.corrections as f64 / solved.iterations as f64).sqrt();
+                        solved.decide(|n| (self.settings.corrections as f64 / n as f64).sqrt());
                     let length = self.step.abs() * R::lit(ratio.clamp(0.5, 2.0));
                     let length = length.smaller(R::lit(self.settings.longest));
                     self.step = if self.step < R::zero() {

@@ -11,7 +11,7 @@ use super::structure::held;
 use super::unknowns::Unknowns;
 use super::{State, Structure, Tape};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{Mask, Real};
 
 /// When the tangent is evaluated and factorised anew.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,11 +71,13 @@ impl Newton {
     }
 }
 
-/// What one solve took.
+/// What one solve took; in lanes, the most that any of them did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Solved {
     /// Corrections made.
     pub iterations: usize,
+    /// The fewest corrections after which a lane had converged.
+    pub(crate) fewest: usize,
     /// Tangents evaluated and factorised.
     pub tangents: usize,
     /// Last residual over the force scale.
@@ -83,6 +85,16 @@ pub struct Solved {
     /// Whether the solve ended above the tolerance, at the residual that rounding leaves: the
     /// answer has no more digits in this number type.
     pub at_floor: bool,
+}
+
+impl Solved {
+    /// A decision that hangs on the number of corrections.
+    pub(crate) fn decide<T: PartialEq>(&self, by: impl Fn(usize) -> T) -> T {
+        let decision = by(self.iterations);
+        // What lanes in between decide does not matter: if these differ, the run is void.
+        let _ = Mask::among(decision == by(self.fewest)).common();
+        decision
+    }
 }
 
 /// The equations of one solve: statics at a load level, or a time step.
@@ -145,6 +157,10 @@ pub(crate) struct Workspace<R> {
     current: bool,
     /// What rounding of the internal forces may leave at the state of the last tangent.
     floor: R,
+    /// The largest force met first in this solve; zero as long as there was none.
+    force: R,
+    /// The largest natural size of a coordinate.
+    size: R,
     internal: Vec<R>,
     external: Vec<R>,
     inertia: Vec<R>,
@@ -162,7 +178,8 @@ pub(crate) struct Workspace<R> {
     fixed: Vec<R>,
 }
 
-/// A force balance: the residual's norm and the largest norm among its parts.
+/// A force balance: the residual's norm and the largest norm among its parts, in units of the
+/// solve's force.
 struct Balance<R> {
     residual: R,
     scale: R,
@@ -178,7 +195,7 @@ const SLOW: f64 = 0.1;
 const STALLED: f64 = 0.3;
 /// Times a residual must have risen before it is taken for noise. One that falls slowly, by a
 /// wrong tangent, does not rise; one that rounding makes does every other time.
-const RISES: usize = 3;
+const RISES: f64 = 3.0;
 
 impl<R: Real> Workspace<R> {
     pub(crate) fn new<S: Structure<R> + ?Sized>(structure: &S) -> Self {
@@ -192,6 +209,12 @@ impl<R: Real> Workspace<R> {
             held_mass: false,
             current: false,
             floor: R::zero(),
+            force: R::zero(),
+            size: structure
+                .measure()
+                .iter()
+                .copied()
+                .fold(R::zero(), R::larger),
             internal: zeros(),
             external: zeros(),
             inertia: zeros(),
@@ -297,57 +320,77 @@ impl<R: Real> Workspace<R> {
         let mut solved = Solved::default();
         let mut correction: Option<R> = None;
         let mut previous: Option<R> = None;
-        let mut rises = 0;
+        let mut rises = R::zero();
+        // Lanes that go on, and those that ended at the rounding floor. One that has converged is
+        // corrected no more, so that its answer is that of its own run.
+        let (mut open, mut floored) = (Mask::ALL, Mask::NONE);
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
+        self.force = R::zero();
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
         loop {
             let balance = self.balance(structure, &equations, u)?;
-            solved.residual = (balance.residual / balance.scale).value();
+            solved.residual = (balance.residual / balance.scale).largest();
             if !balance.residual.finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
             }
-            let corrected_by = |least: f64| correction.is_some_and(|c| c <= R::lit(least));
-            let fell_to =
-                |share: f64| previous.is_none_or(|p| balance.residual <= p * R::lit(share));
-            let small = balance.residual <= balance.scale * R::lit(settings.residual);
-            let floor = self.floor + balance.scale * R::lit(8.0 * R::EPSILON);
-            let mut at_floor = balance.residual <= floor && corrected_by(NEAR) && !fell_to(STALLED);
-            if !fell_to(1.0) {
-                rises += 1;
-            }
+            let corrected_by =
+                |least: f64| correction.map_or(Mask::NONE, |c| c.at_most(R::lit(least)));
+            let fell_to = |share: f64| {
+                previous.map_or(Mask::ALL, |p| balance.residual.at_most(p * R::lit(share)))
+            };
+            let small = balance
+                .residual
+                .at_most(balance.scale * R::lit(settings.residual));
+            let floor = self.floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON);
+            let mut at_floor =
+                balance.residual.at_most(floor) & corrected_by(NEAR) & !fell_to(STALLED);
+            rises += R::zero().where_else(fell_to(1.0), R::one());
             // Only a solve that gets nowhere pays for this bound. Along a path a state accepted so
             // may lie on another branch: there a shorter step is tried.
-            let stuck = choice.is_none() && rises >= RISES;
-            if !at_floor && stuck && corrected_by(settings.correction) {
+            let stuck = match choice.is_none() {
+                true => open & !at_floor & R::lit(RISES).at_most(rises),
+                false => Mask::NONE,
+            } & corrected_by(settings.correction);
+            if stuck.any() {
                 self.tangent.clear();
                 self.add_tangent(structure, &equations, u)?;
-                at_floor = balance.residual <= self.rounding(structure, structure.measure())?;
+                let rounding = self.rounding(structure, structure.measure())? / self.unit();
+                at_floor |= stuck & balance.residual.at_most(rounding);
             }
-            if (small && corrected_by(settings.correction)) || at_floor {
-                solved.at_floor = !small;
+            let done = open & ((small & corrected_by(settings.correction)) | at_floor);
+            if done.any() {
+                if open.all() {
+                    solved.fewest = solved.iterations;
+                }
+                floored = (floored & !done) | (done & !small);
+                open = open & !done;
+            }
+            if !open.any() {
+                solved.at_floor = floored.any();
                 if extra == 0 {
                     structure.check(u)?;
                     return Ok((solved, equations.factor));
                 }
                 extra -= 1;
+                open = Mask::ALL;
                 self.forget();
             }
-            if correction.is_some() && !corrected_by(RUNAWAY) {
+            if correction.is_some() && (!corrected_by(RUNAWAY) & open).common() {
                 let reason = "a correction ten thousand times the size of the structure: a \
                               mechanism or an absurd load, check supports and loads";
                 return Err(self.unconverged(solved, reason));
             }
-            if solved.iterations == settings.iterations {
+            if solved.iterations == settings.iterations && open.common() {
                 return Err(self.unconverged(solved, "no convergence"));
             }
             let renew = match settings.refresh {
                 Refresh::EveryIteration => true,
                 Refresh::EverySolve | Refresh::Never => false,
-                Refresh::WhenSlow => !fell_to(SLOW),
+                Refresh::WhenSlow => (!fell_to(SLOW) & open).common(),
             };
             if (renew && !current) || !self.factored {
                 self.renew(structure, &equations, u)?;
@@ -362,7 +405,7 @@ impl<R: Real> Workspace<R> {
                     self.unconverged(solved, "the step leads to no point of the path")
                 })?;
             }
-            correction = Some(self.correct(structure, u));
+            correction = Some(self.correct(structure, open, u));
             solved.iterations += 1;
         }
     }
@@ -486,27 +529,46 @@ impl<R: Real> Workspace<R> {
         if inertia {
             unknowns.reduce(&mut self.inertia);
         }
+        let open = self.force.at_most(R::zero());
+        if open.any() {
+            let mut largest = R::zero();
+            for &i in unknowns.free() {
+                let inertia = if inertia { self.inertia[i] } else { R::zero() };
+                for force in [self.external[i], self.internal[i], inertia] {
+                    largest = largest.larger(force.abs());
+                }
+            }
+            self.force = largest.where_else(open, self.force);
+        }
+        let (force, size) = (self.unit(), self.size);
         let mut squares = [R::zero(); 4];
         for &i in unknowns.free() {
             let (external, internal) = (self.external[i], self.internal[i]);
             let inertia = if inertia { self.inertia[i] } else { R::zero() };
             let residual = external - internal - inertia;
             self.scratch[i] = residual;
+            let size = measure[i] / size;
             for (square, part) in squares
                 .iter_mut()
                 .zip([residual, external, internal, inertia])
             {
-                let part = part * measure[i];
+                let part = part / force * size;
                 *square += part * part;
             }
         }
         let largest = squares[1].larger(squares[2]).larger(squares[3]);
         // A state without any force is its own solution: avoid 0 / 0.
-        let scale = if largest.is_zero() { R::one() } else { largest };
+        let scale = R::one().where_else(largest.at_most(R::zero()), largest);
         Balance {
             residual: norm(squares[0]),
             scale: norm(scale),
         }
+    }
+
+    /// The force by which this solve measures others: squares of those on the smallest beams are no
+    /// numbers of single precision.
+    fn unit(&self) -> R {
+        R::one().where_else(self.force.at_most(R::zero()), self.force)
     }
 
     fn add_tangent<S: Structure<R> + ?Sized>(
@@ -563,12 +625,37 @@ impl<R: Real> Workspace<R> {
                 }
             }
         }
+        let (force, size) = (self.unit(), self.size);
         let mut square = R::zero();
         for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
-            let part = *rounded * measure[i];
+            let part = *rounded / force * (measure[i] / size);
             square += part * part;
         }
-        Ok(norm(square) * R::lit(R::EPSILON))
+        Ok(norm(square) * R::lit(R::EPSILON) * self.unit())
+    }
+
+    /// What one more correction would change of the displacements `u` just solved for, largest over
+    /// largest in natural sizes, when the factors are those of the tangent at `u`. Where rounding is
+    /// all that is left of the residual, this is what it takes of the answer: forces that rounding
+    /// leaves but that bend nothing do not count, and a tangent that is all rounding itself would
+    /// go on as it came. Zero where nothing moved.
+    pub(crate) fn open<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &[R]) -> Result<f64> {
+        let (free, multipliers) = (structure.unknowns().free(), structure.multipliers());
+        let measure = structure.measure();
+        for (x, &i) in self.unknown.iter_mut().zip(free) {
+            *x = self.scratch[i];
+        }
+        self.factor.solve(&mut self.unknown)?;
+        let (mut change, mut moved) = (R::zero(), R::zero());
+        for (x, &i) in self.unknown.iter().zip(free) {
+            if !multipliers.contains(&i) {
+                change = change.larger((*x / measure[i]).abs());
+                moved = moved.larger((u[i] / measure[i]).abs());
+            }
+        }
+        let still = moved.at_most(R::zero());
+        let share = change / R::one().where_else(still, moved);
+        Ok(R::zero().where_else(still, share).largest())
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
@@ -610,17 +697,19 @@ impl<R: Real> Workspace<R> {
         Ok(Some(change))
     }
 
-    /// Applies the correction in `scratch` and returns its largest component in natural sizes.
-    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &mut [R]) -> R {
+    /// Applies the correction in `scratch` to the lanes that are `open` and returns its largest
+    /// component in natural sizes.
+    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, open: Mask, u: &mut [R]) -> R {
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
         let multipliers = structure.multipliers();
         for (i, (((u, moved), du), measure)) in corrected.zip(structure.measure()).enumerate() {
-            *u += *du;
-            *moved += *du;
+            let du = du.where_else(open, R::zero());
+            *u += du;
+            *moved += du;
             // Multipliers have no natural size; the residual tells about them.
             if !multipliers.contains(&i) {
-                largest = largest.larger((*du / *measure).abs());
+                largest = largest.larger((du / *measure).abs());
             }
         }
         largest
@@ -668,7 +757,7 @@ fn singular<R: Real, S: Structure<R> + ?Sized>(structure: &S, error: Error) -> E
 
 /// Square root that carries a zero derivative at zero instead of NaN.
 pub(crate) fn norm<R: Real>(square: R) -> R {
-    if square.is_zero() {
+    if R::ORDER > 0 && square.is_zero() {
         R::zero()
     } else {
         square.sqrt()

@@ -171,6 +171,8 @@ pub struct PathReport {
     pub cutbacks: usize,
     /// Newton corrections of the points found.
     pub corrections: usize,
+    /// Points found at the residual that rounding leaves, above Newton's tolerance.
+    pub at_floor: usize,
 }
 
 /// A point of a path, as observers see it.

@@ -51,6 +51,10 @@ pub struct StaticReport {
     pub residual: f64,
     /// Whether that residual is the one rounding leaves, above the tolerance asked for.
     pub at_floor: bool,
+    /// What one more correction would change of the displacements, as a share of them: where
+    /// [`at_floor`](Self::at_floor), an estimate of what rounding has taken, and `-log10` of it that
+    /// of the digits left.
+    pub rounding: f64,
     /// Directions in which the equilibrium is unstable: the negative eigenvalues of its tangent. 0
     /// for a stable equilibrium, `None` where the factorisation does not tell (unsymmetric
     /// tangents).
@@ -73,6 +77,7 @@ impl Statics {
     /// [`Error::StaticsFailed`] with the last error of Newton's method when the step has been
     /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load) or
     /// with [`Error::StabilityChanged`] when that is [refused](Self::hold_stability);
+    /// [`Error::NoDigits`] when rounding leaves not one digit of the displacements;
     /// [`Error::Mechanism`] for too few supports;
     /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
     pub fn solve<R: Real, S: Structure<R>>(
@@ -132,17 +137,26 @@ impl Statics {
                 initial: Some(&initial),
                 inertia: None,
             };
+            let last = factor >= R::one();
             let solved = workspace
                 .solve(structure, &self.newton, &equations, &mut u)
                 .and_then(|solved| {
-                    if self.hold_stability {
+                    if self.hold_stability || last {
                         let now = workspace.unstable(structure, &equations, &u)?;
-                        if let (Some(before), Some(now)) = (report.unstable, now)
+                        if let (Some(before), Some(now), true) =
+                            (report.unstable, now, self.hold_stability)
                             && before != now
                         {
                             return Err(Error::StabilityChanged { before, now });
                         }
                         report.unstable = now;
+                    }
+                    if last && workspace.factored() {
+                        report.rounding = workspace.open(structure, &u)?;
+                        if report.rounding > NO_DIGIT && loaded(structure, &equations, &u)? {
+                            let share = report.rounding;
+                            return Err(Error::NoDigits { share });
+                        }
                     }
                     Ok(solved)
                 });
@@ -155,11 +169,13 @@ impl Statics {
                     report.iterations += solved.iterations;
                     report.residual = solved.residual;
                     report.at_floor = solved.at_floor;
-                    if solved.iterations <= 6 {
+                    if solved.decide(|iterations| iterations <= 6) {
                         step = (step * R::lit(2.0)).smaller(full);
                     }
                 }
-                Err(error @ Error::LoadNotFinite { .. }) => return Err(error),
+                Err(error @ (Error::LoadNotFinite { .. } | Error::NoDigits { .. })) => {
+                    return Err(error);
+                }
                 // Before any load has acted no smaller step can help.
                 Err(error @ (Error::Mechanism { .. } | Error::Redundant { .. }))
                     if report.steps == 0 =>
@@ -183,17 +199,24 @@ impl Statics {
         }
         // What has come to rest has no acceleration.
         state.acceleration.fill(R::zero());
-        if !self.hold_stability {
-            let equations = Equations {
-                time: state.time,
-                factor: R::one(),
-                initial: None,
-                inertia: None,
-            };
-            report.unstable = workspace.unstable(structure, &equations, &u)?;
-        }
         Ok(report)
     }
+}
+
+/// Share of the displacements that rounding may take and leave a digit.
+const NO_DIGIT: f64 = 0.1;
+
+/// Whether anything acts on the unknowns; without loads displacements are rounding and may be.
+fn loaded<R: Real, S: Structure<R>>(
+    structure: &S,
+    equations: &Equations<'_, R>,
+    u: &[R],
+) -> Result<bool> {
+    let mut forces = vec![R::zero(); u.len()];
+    structure.add_external(equations.time, R::one(), u, &mut forces)?;
+    let unknowns = structure.unknowns();
+    unknowns.reduce(&mut forces);
+    Ok(unknowns.free().iter().any(|i| !forces[*i].is_zero()))
 }
 
 /// The coordinates that are not solved for on their way from where the state has them to where the

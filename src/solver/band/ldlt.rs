@@ -4,15 +4,20 @@
 
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
-use crate::scalar::{LaneWork, Lanes, Real};
+use crate::scalar::{LaneWork, Lanes, Mask, Real};
 use crate::solver::Tape;
 use crate::tensor::array;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
 
-/// Rounding units below which a pivot is taken for rounding of the terms it was summed from.
-pub(in crate::solver) const NOISE: f64 = 4.0;
+/// Numbers a scalar product is summed in, whatever the registers hold, so that all of them round
+/// alike; and one more than a register may reach beyond the end of a column.
+const SUMS: usize = 8;
+
+/// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
+/// panel of pivots before it adds up to two, half of them of one sign or the other.
+pub(in crate::solver) const NOISE: f64 = 8.0;
 
 /// Growth of a diagonal term over the largest entry of its row that is still accepted. The
 /// backward error is at most this many rounding units; definite matrices never exceed 2, and
@@ -34,27 +39,16 @@ pub(super) struct Ldlt<R> {
     /// Columns of the current pivots below them, before division by the pivot.
     panel: Vec<R>,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
-    magnitude: Vec<f64>,
+    magnitude: Vec<R>,
     /// The vector being solved for, and zeros behind it.
     vector: Vec<R>,
-    negative: usize,
+    negative: R,
 }
 
 /// The triangle of some pivots, before and after division by them.
 struct Pivots<R, const P: usize> {
     before: [[R; P]; P],
     after: [[R; P]; P],
-}
-
-/// The width of the registers.
-struct Width;
-
-impl<R: Real> LaneWork<R> for Width {
-    type Output = usize;
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> usize {
-        L::WIDTH
-    }
 }
 
 /// How many unknowns of equal `reach` go together with each one.
@@ -76,8 +70,7 @@ fn counts(reach: &[usize]) -> Vec<usize> {
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let beyond = R::dispatch(Width) - 1;
-        let stride = half + 1 + beyond;
+        let stride = half + SUMS;
         Self {
             columns: vec![R::zero(); size * stride],
             stride,
@@ -85,18 +78,18 @@ impl<R: Real> Ldlt<R> {
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
             panel: vec![R::zero(); PANEL * stride],
-            magnitude: vec![0.0; size],
-            vector: vec![R::zero(); size + beyond],
-            negative: 0,
+            magnitude: vec![R::zero(); size],
+            vector: vec![R::zero(); size + SUMS - 1],
+            negative: R::zero(),
         }
     }
 
     pub(super) fn negative(&self) -> usize {
-        self.negative
+        self.negative.value() as usize
     }
 
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
-        tape.count(&mut self.negative)?;
+        tape.number(&mut self.negative)?;
         // What lies behind a column depends on the processor.
         for column in self.columns.chunks_exact_mut(self.stride) {
             tape.numbers(&mut column[..=self.half])?;
@@ -132,7 +125,7 @@ impl<R: Real> Ldlt<R> {
         matrix: &BandMatrix<R>,
         definite: bool,
     ) -> Result<bool> {
-        let mut negative = 0;
+        let mut negative = R::zero();
         for p in 0..P {
             let pivot = before[p][p];
             if !pivot.finite() {
@@ -141,14 +134,20 @@ impl<R: Real> Ldlt<R> {
                     value: pivot.value(),
                 });
             }
-            let (d, terms) = (pivot.value(), self.magnitude[j + p]);
-            let noise = d.abs() <= NOISE * R::EPSILON * terms;
-            if definite || noise || terms > GROWTH * largest_of_row(matrix, j + p) {
+            if definite {
                 return Ok(false);
             }
-            negative += usize::from(d < 0.0);
+            let terms = self.magnitude[j + p];
+            let noise = pivot.abs().at_most(R::lit(NOISE * R::EPSILON) * terms);
+            let bound = R::lit(GROWTH) * largest_of_row(matrix, j + p);
+            if (noise | !terms.at_most(bound)).any() {
+                // A lane that is definite would not have been watched in a run of its own.
+                let _ = Mask::among(R::LANES == 1).common();
+                return Ok(false);
+            }
+            negative += R::one().where_else(pivot.at_most(R::zero()), R::zero());
             for i in p + 1..P {
-                self.magnitude[j + i] += (before[p][i] * after[p][i]).value().abs();
+                self.magnitude[j + i] += (before[p][i] * after[p][i]).abs();
             }
         }
         self.negative += negative;
@@ -183,15 +182,25 @@ impl<R: Real> Ldlt<R> {
     #[inline(always)]
     fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
         let (columns, below) = self.below::<P>(j, last);
-        let mut sums = [L::zero(); P];
-        for i in (0..below).step_by(L::WIDTH) {
-            let known = L::load(&x[j + P + i..]);
-            for p in 0..P {
-                sums[p] = sums[p].plus_product(known, L::load(&columns[p][i..]));
+        assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
+        let mut sums = [[L::zero(); SUMS]; P];
+        for i in (0..below).step_by(SUMS) {
+            for (part, at) in (i..below.min(i + SUMS)).step_by(L::WIDTH).enumerate() {
+                let known = L::load(&x[j + P + at..]);
+                for p in 0..P {
+                    sums[p][part] = sums[p][part].plus_product(known, L::load(&columns[p][at..]));
+                }
             }
         }
         for p in (0..P).rev() {
-            let mut value = x[j + p] - sums[p].sum();
+            let mut parts = [R::zero(); SUMS];
+            for part in 0..SUMS / L::WIDTH {
+                sums[p][part].store(&mut parts[part * L::WIDTH..]);
+            }
+            let mut value = x[j + p];
+            for sum in parts {
+                value -= sum;
+            }
             for q in p + 1..P {
                 value -= self.columns[(j + p) * self.stride + q - p] * x[j + q];
             }
@@ -212,9 +221,9 @@ impl<R: Real> Ldlt<R> {
     /// not keep, follow from the sums.
     fn find_magnitudes(&mut self, j: usize, copied: usize, matrix: &BandMatrix<R>) {
         for i in j..self.inverse.len() {
-            let start = matrix.diagonal(i).value();
+            let start = matrix.diagonal(i);
             let now = if i < copied {
-                self.columns[i * self.stride].value()
+                self.columns[i * self.stride]
             } else {
                 start
             };
@@ -251,13 +260,14 @@ impl<R: Real> Ldlt<R> {
                 after[p][i] = before[p][i] * inverse[p];
             }
         }
-        let mut trusted = true;
+        let mut trusted = Mask::ALL;
         for p in 0..P {
             let pivot = before[p][p];
             let noise = R::lit(NOISE * R::EPSILON) * matrix.diagonal(j + p);
-            trusted &= pivot > R::zero() && pivot > noise && pivot.finite();
+            let sound = !pivot.at_most(R::zero()) & !pivot.at_most(noise);
+            trusted = trusted & sound & Mask::from(pivot.finite());
         }
-        if !(definite && trusted) {
+        if !(definite && trusted.all()) {
             let pivots = Pivots { before, after };
             if !self.watch(j, pivots, matrix, definite)? {
                 return Ok(false);
@@ -291,7 +301,7 @@ impl<R: Real> Ldlt<R> {
         if !definite {
             for i in 0..below {
                 for p in 0..P {
-                    self.magnitude[j + P + i] += (scaled[p][i] * unscaled[p][i]).value().abs();
+                    self.magnitude[j + P + i] += (scaled[p][i] * unscaled[p][i]).abs();
                 }
             }
         }
@@ -323,7 +333,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
     fn run<L: Lanes<R>>(self) -> Result<bool> {
         let Self { ldlt, matrix } = self;
         let reach = matrix.profile().reach();
-        ldlt.negative = 0;
+        ldlt.negative = R::zero();
         let mut definite = true;
         let (mut j, mut copied) = (0, 0);
         while j < reach.len() {
@@ -364,6 +374,7 @@ struct Solution<'a, R> {
 
 impl<R: Real> LaneWork<R> for Solution<'_, R> {
     type Output = ();
+    const HEAVY: bool = true;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
@@ -390,11 +401,11 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
     }
 }
 
-fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> f64 {
+fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> R {
     let (_, row) = matrix.row(i);
-    let right = row.iter().map(|a| a.value().abs()).fold(0.0, f64::max);
+    let right = row.iter().map(|a| a.abs()).fold(R::zero(), R::larger);
     let first = matrix.profile().first()[i];
     (first..i)
-        .map(|k| matrix.get(i, k).value().abs())
-        .fold(right, f64::max)
+        .map(|k| matrix.get(i, k).abs())
+        .fold(right, R::larger)
 }

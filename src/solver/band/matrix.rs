@@ -240,12 +240,9 @@ impl<R: Real> BandMatrix<R> {
         }
         for i in 0..n {
             let (width, half) = (self.width, self.profile.half_bandwidth());
-            let (from, shift) = if self.symmetric {
-                (i, 0)
-            } else {
-                (0, half - i)
-            };
-            let target = |lane: usize| Some((start(lane)? + i) * width + shift);
+            // Stored by columns from the diagonal on, or by rows in which the block starts before it.
+            let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
+            let target = |lane: usize| Some((start(lane)? + i) * width + shift - i);
             L::scatter(&block[i * n + from..(i + 1) * n], &mut self.data, target);
         }
         Ok(())

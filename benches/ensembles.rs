@@ -1,0 +1,104 @@
+//! Throughput of the rows of a sweep in lanes against the same rows one after the other, on one
+//! thread, both measured by turns in one run: 8 scenes of 10 elements, assembly included.
+//! `cargo bench --bench ensembles`
+
+use std::time::Instant;
+
+use ancf::prelude::*;
+use ancf::sweep::{Experiment, Sweep};
+
+/// A pendulum for `[E, R]` and 200 steps of 1 ms.
+struct Pendulum<S, const D: usize>(S);
+/// A cantilever for `[E, R, load]`, loaded in 10 steps.
+struct Cantilever<const D: usize>;
+
+macro_rules! experiments {
+    ($($d:literal),*) => {$(
+        experiments!(@pendulum $d, Newmark);
+        experiments!(@pendulum $d, EnergyMomentum);
+
+        impl Experiment<3> for Cantilever<$d> {
+            fn run<R: Real>(&self, [young, radius, load]: [R; 3]) -> Result<Vec<R>> {
+                let mut scene = Scene::<R, $d>::new();
+                let rod = scene.add(rod::<R, $d>(young, radius)?)?;
+                scene.clamp(rod.start())?;
+                scene.force(rod.end(), axis(1, -load))?;
+                let system = scene.assemble()?;
+                let mut state = system.rest();
+                Statics::in_steps(10).solve(&system, &mut state)?;
+                Ok(system.position(&state, rod.end())?.to_vec())
+            }
+        }
+    )*};
+    (@pendulum $d:literal, $scheme:ty) => {
+        impl Experiment<2> for Pendulum<$scheme, $d> {
+            fn run<R: Real>(&self, [young, radius]: [R; 2]) -> Result<Vec<R>> {
+                let mut scene = Scene::<R, $d>::new();
+                let rod = scene.add(rod::<R, $d>(young, radius)?)?;
+                scene.pin(rod.start())?;
+                scene.gravity(axis(1, R::lit(-9.81)))?;
+                let system = scene.assemble()?;
+                let mut run = Integration::start(&system, system.rest(), &self.0)?;
+                run.until(R::lit(0.2), Stepping::Fixed(1e-3), |_| {})?;
+                Ok(system.position(run.state(), rod.end())?.to_vec())
+            }
+        }
+    };
+}
+experiments!(2, 3);
+
+type Rod<R, const D: usize> =
+    Beam<R, FullyParameterised, Continuum<SaintVenantKirchhoff<R, D>>, Disk<R>, D>;
+
+fn axis<R: Real, const D: usize>(a: usize, size: R) -> [R; D] {
+    std::array::from_fn(|c| if c == a { size } else { R::zero() })
+}
+
+fn rod<R: Real, const D: usize>(young: R, radius: R) -> Result<Rod<R, D>> {
+    let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+    let formulation = Continuum::selective_reduced(rubber);
+    let beam = Beam::new(FullyParameterised, Disk::new(radius)?, formulation);
+    let placed = beam.straight([R::zero(); D], axis(0, R::one()), 10);
+    Ok(placed.density(R::lit(7200.0)))
+}
+
+/// Best times of several, and the largest difference of the results.
+fn compare<const P: usize>(
+    name: &str,
+    experiment: &impl Experiment<P>,
+    row: impl Fn(f64) -> [f64; P],
+) -> Result<()> {
+    let alone = Sweep::list((0..8).map(|n| row(f64::from(n))).collect())?;
+    let lanes = alone.clone().in_lanes();
+    let mut best = [f64::INFINITY; 2];
+    let mut apart = 0.0_f64;
+    for _ in 0..7 {
+        let results = [(&alone, 0), (&lanes, 1)].map(|(sweep, which)| {
+            let start = Instant::now();
+            let results = sweep.run(experiment);
+            best[which] = best[which].min(start.elapsed().as_secs_f64());
+            results
+        });
+        for (one, lane) in results[0].rows().iter().zip(results[1].rows()) {
+            for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
+                apart = apart.max((one - lane).abs());
+            }
+        }
+    }
+    let [alone, lanes] = best.map(|time| 1e3 * time);
+    let ratio = alone / lanes;
+    println!("{name:22} {alone:9.2} {lanes:9.2} {ratio:6.2} {apart:9.1e}");
+    Ok(())
+}
+
+fn main() -> Result<()> {
+    let rod = |n: f64| [2.0e7 * (1.0 + 0.05 * n), 0.01 * (1.0 + 0.02 * n)];
+    let loaded = |n: f64| [rod(n)[0], rod(n)[1], 0.1 * (1.0 + 0.1 * n)];
+    let (newmark, conserving) = (Newmark::trapezoidal(), EnergyMomentum::conserving());
+    println!("ms for 8 scenes        one by one  in lanes  ratio  apart (m)");
+    compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
+    compare("plane, statics", &Cantilever::<2>, loaded)?;
+    compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
+    compare("space, statics", &Cantilever::<3>, loaded)?;
+    compare("plane, energy-momentum", &Pendulum::<_, 2>(conserving), rod)
+}

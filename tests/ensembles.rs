@@ -1,0 +1,201 @@
+//! Ensembles: rows in lanes, on threads and in shards are the rows one by one, to the last bit.
+
+use ancf::prelude::*;
+use ancf::sweep::{Experiment, Results, Row, Sweep, derivatives, merge};
+
+/// The tip of a planar or spatial cantilever for `[E, R, load]`, loaded in steps.
+struct Cantilever<const D: usize>;
+/// The tip of a falling pendulum for `[E, R]`, by a fixed step.
+struct Pendulum<S>(S);
+
+impl Experiment<3> for Cantilever<3> {
+    fn run<R: Real>(&self, [young, radius, load]: [R; 3]) -> Result<Vec<R>> {
+        let steel = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+        let formulation = Continuum::selective_reduced(steel);
+        let mut scene = Scene::<R, 3>::new();
+        let rod = Beam::new(FullyParameterised, Disk::new(radius)?, formulation).straight(
+            [R::zero(); 3],
+            [R::one(), R::zero(), R::zero()],
+            3,
+        );
+        let rod = scene.add(rod)?;
+        scene.clamp(rod.start())?;
+        scene.force(rod.end(), [R::zero(), -load, load * R::lit(0.5)])?;
+        let system = scene.assemble()?;
+        let mut state = system.rest();
+        Statics::in_steps(3).solve(&system, &mut state)?;
+        Ok(system.position(&state, rod.end())?.to_vec())
+    }
+}
+
+macro_rules! pendulum {
+    ($($scheme:ty),*) => {$(
+        impl Experiment<2> for Pendulum<$scheme> {
+            fn run<R: Real>(&self, [young, radius]: [R; 2]) -> Result<Vec<R>> {
+                let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+                let formulation = Continuum::selective_reduced(rubber);
+                let mut scene = Scene::<R, 2>::new();
+                let rod = Beam::new(FullyParameterised, Disk::new(radius)?, formulation)
+                    .straight([R::zero(); 2], [R::one(), R::zero()], 4)
+                    .density(R::lit(7200.0));
+                let rod = scene.add(rod)?;
+                scene.pin(rod.start())?;
+                scene.gravity([R::zero(), R::lit(-9.81)])?;
+                let system = scene.assemble()?;
+                let mut run = Integration::start(&system, system.rest(), &self.0)?;
+                run.until(R::lit(0.05), Stepping::Fixed(1e-3), |_| {})?;
+                Ok(system.position(run.state(), rod.end())?.to_vec())
+            }
+        }
+    )*};
+}
+pendulum!(Newmark, EnergyMomentum);
+
+fn outputs<const P: usize>(results: &Results<f64, P>) -> Vec<Vec<f64>> {
+    let all = results.rows().iter().map(|row| row.outputs.clone());
+    all.collect::<Result<_>>().unwrap()
+}
+
+fn cantilevers() -> Sweep<f64, 3> {
+    Sweep::grid([&[1e7, 2e7, 3e7], &[0.01, 0.02], &[0.05, 0.1]]).unwrap()
+}
+
+/// One by one is another number type, with its own arithmetic and decisions.
+#[test]
+fn statics_in_lanes_are_those_of_each_row() {
+    let alone = outputs(&cantilevers().run(&Cantilever::<3>));
+    assert!(alone[0][1] < -0.05, "the rod bends: {:?}", alone[0]);
+    assert_eq!(
+        outputs(&cantilevers().in_lanes().run(&Cantilever::<3>)),
+        alone
+    );
+}
+
+#[test]
+fn motions_in_lanes_are_those_of_each_row() {
+    fn check<S>(scheme: S)
+    where
+        Pendulum<S>: Experiment<2>,
+    {
+        let sweep = Sweep::grid([&[1e7, 2e7, 4e7], &[0.01, 0.011, 0.013]]).unwrap();
+        let experiment = Pendulum(scheme);
+        let alone = outputs(&sweep.run(&experiment));
+        assert!(alone.iter().all(|tip| tip[1] < -0.005), "the rods fall");
+        assert_eq!(outputs(&sweep.in_lanes().run(&experiment)), alone);
+    }
+    check(Newmark::trapezoidal());
+    check(EnergyMomentum::conserving());
+}
+
+#[test]
+fn planar_motions_stay_together_in_lanes() {
+    let pack = |from: f64, by: f64| {
+        <f64 as ancf::scalar::Laned>::pack(|lane| from * (1.0 + by * lane as f64))
+    };
+    let run = || Pendulum(Newmark::trapezoidal()).run([pack(1e7, 0.1), pack(0.01, 0.05)]);
+    assert!(ancf::scalar::together(run).is_some(), "the lanes part");
+}
+
+#[test]
+fn an_error_stays_with_its_row() {
+    let mut list: Vec<_> = cantilevers()
+        .run(&Cantilever::<3>)
+        .rows()
+        .iter()
+        .map(|row| row.parameters)
+        .collect();
+    let alone = outputs(&Sweep::list(list.clone()).unwrap().run(&Cantilever::<3>));
+    list[2][0] = -1.0;
+    list[5][2] = f64::NAN;
+    let results = Sweep::list(list).unwrap().in_lanes().run(&Cantilever::<3>);
+    for Row { index, outputs, .. } in results.rows() {
+        match (index, outputs) {
+            (2, Err(Error::NotPositive { value, .. })) => assert_eq!(*value, -1.0),
+            (5, Err(error)) => assert!(error.to_string().contains("NaN"), "{error}"),
+            (_, Ok(outputs)) => assert_eq!(outputs, &alone[*index]),
+            (_, Err(error)) => panic!("row {index}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same() {
+    let one = outputs(&cantilevers().in_lanes().run(&Cantilever::<3>));
+    for threads in 2..=4 {
+        for sweep in [cantilevers(), cantilevers().in_lanes()] {
+            let sweep = sweep.on_threads(threads).unwrap();
+            assert_eq!(
+                outputs(&sweep.run(&Cantilever::<3>)),
+                one,
+                "{threads} threads"
+            );
+        }
+    }
+}
+
+#[test]
+fn shards_merge_to_the_whole_and_nothing_else_does() {
+    let names = ["E", "R", "F", "x", "y", "z"];
+    let table = |sweep: Sweep<f64, 3>| {
+        let results = sweep.in_lanes().run(&Cantilever::<3>);
+        results.table("cantilever", &names).unwrap()
+    };
+    let whole = table(cantilevers());
+    let part = |n: usize| table(cantilevers().shard(n, 5).unwrap());
+    let mut parts: Vec<_> = (0..5).rev().map(part).collect();
+    assert_eq!(merge(&parts).unwrap(), whole);
+    assert_eq!(merge(&[&whole]).unwrap(), whole);
+
+    let refused = |tables: &[String], why: &str| {
+        let error = merge(tables).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+    };
+    refused(&parts[1..], "missing");
+    refused(&[&parts[..], &parts[..1]].concat(), "twice");
+    refused(&[], "no table");
+    let other = Sweep::grid([&[1e7, 2e7, 3e7], &[0.01, 0.03], &[0.05, 0.1]]).unwrap();
+    parts[2] = table(other.shard(2, 5).unwrap());
+    refused(&parts, "another sweep");
+}
+
+#[test]
+fn sweeps_refuse_what_is_none() {
+    assert!(matches!(
+        Sweep::<f64, 1>::grid([&[]]),
+        Err(Error::TooFew { .. })
+    ));
+    assert!(matches!(
+        cantilevers().on_threads(0),
+        Err(Error::TooFew { .. })
+    ));
+    for (index, count) in [(0, 0), (3, 3)] {
+        assert!(matches!(
+            cantilevers().shard(index, count),
+            Err(Error::OutOfRange { .. })
+        ));
+    }
+    let results = cantilevers().run(&Cantilever::<3>);
+    assert!(matches!(
+        results.table("", &["E"]),
+        Err(Error::Length { .. })
+    ));
+}
+
+/// Against central differences, whose own error is about 1e-9 of the slope here.
+#[test]
+fn derivatives_are_those_of_the_experiment() {
+    let at = [2e7, 0.02, 0.1];
+    let exact = derivatives(&Cantilever::<3>, at).unwrap();
+    for k in 0..3 {
+        let moved = |by: f64| {
+            let mut at = at;
+            at[k] *= 1.0 + by;
+            Cantilever::<3>.run(at).unwrap()
+        };
+        let (up, down) = (moved(1e-4), moved(-1e-4));
+        for (i, (_, slope)) in exact.iter().enumerate() {
+            let difference = (up[i] - down[i]) / (2e-4 * at[k]);
+            assert!((difference - slope[k]).abs() < 1e-6 * slope[k].abs());
+        }
+    }
+}
