@@ -11,22 +11,25 @@ pub fn bent<R, T: Algebra<R>, const D: usize, const S: usize>() -> [[T; D]; S] {
     std::array::from_fn(|i| std::array::from_fn(|c| T::lit(1e-2 * ((3 * i + c + 1) as f64).sin())))
 }
 
-/// Evaluates a group of elements, one in each lane, a number of times; says how many and how long.
-pub struct Timed<'a, Kn, const D: usize, const S: usize> {
+/// Evaluates a group of elements, one in each lane, a number of times, with or without the
+/// `TANGENT`; says how many and how long.
+pub struct Timed<'a, Kn, const TANGENT: bool, const D: usize, const S: usize> {
     /// The kernel.
     pub kernel: &'a Kn,
-    /// Whether the tangent is made, too.
-    pub tangent: bool,
     /// How often.
     pub times: u64,
 }
 
-impl<R, Kn, const D: usize, const S: usize> LaneWork<R> for Timed<'_, Kn, D, S>
+impl<R, Kn, const TANGENT: bool, const D: usize, const S: usize> LaneWork<R>
+    for Timed<'_, Kn, TANGENT, D, S>
 where
     R: Real,
     Kn: ElementKernel<R, D, S>,
 {
     type Output = (usize, Duration);
+
+    // As chains of elements have it.
+    const HEAVY: bool = TANGENT;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> (usize, Duration) {
@@ -35,7 +38,7 @@ where
         let start = Instant::now();
         for _ in 0..self.times {
             let mut q = [[L::zero(); D]; S];
-            if self.tangent {
+            if TANGENT {
                 self.kernel.tangent(black_box(&u), &mut q, &mut k);
             } else {
                 self.kernel.force(black_box(&u), &mut q);
