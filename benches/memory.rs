@@ -74,7 +74,8 @@ fn dimension<R: Real>() -> Result<()> {
 }
 
 fn main() -> Result<()> {
-    println!("bytes per element | system | trapezoidal run");
+    println!("| bytes per element | system | trapezoidal run |");
+    println!("|---|---|---|");
     dimension::<f64>()?;
     dimension::<f32>()
 }
