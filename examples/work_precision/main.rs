@@ -74,6 +74,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{title}: {} runs in {spent:.0} s", study.records.len());
         figures::draw(title, &study.records, out)?;
         records.extend(study.records);
+        // A run that is cut short leaves what it has.
+        ranking::runs(&records, out)?;
     }
     ranking::write(&records, out)
 }

@@ -172,7 +172,7 @@ impl Problem {
             rod(&specimen.material::<f64, 3>(0.3)?),
             rods,
         );
-        self.sweep::<f64, _, _, 3, 9>(s, &model, &fine[..4], &ours)?;
+        self.sweep::<f64, _, _, 3, 9>(s, &model, &fine[..4], second)?;
         let model = quadratic("quadratic rod", rod(&real), rods);
         self.sweep::<f64, _, _, 2, 6>(s, &model, &fine, &ours)?;
         // In the beam's own frame short numbers keep the digits of small strains.

@@ -1,4 +1,4 @@
-//! The tables: every run, the cheapest for each tolerance, what the best saves over the paper's
+//! The tables: every run; the cheapest for each tolerance, what the best saves over the paper's
 //! method, and the observed orders of the integrators.
 
 use std::error::Error;
@@ -35,12 +35,11 @@ fn problems(records: &[Record]) -> Vec<(&'static str, &[Record])> {
     parts.map(|part| (part[0].problem, part)).collect()
 }
 
-/// Writes all tables and prints the short ones.
+/// Writes the ranking and prints it with the observed orders.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn write(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
-    runs(records, out)?;
     let mut writer = csv::Writer::from_path(out.join("ranking.csv"))?;
     writer.write_record([
         "problem",
@@ -95,7 +94,11 @@ pub fn write(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn runs(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
+/// Writes every run.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn runs(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
     let mut writer = csv::Writer::from_path(out.join("runs.csv"))?;
     writer.write_record([
         "problem",
