@@ -51,6 +51,7 @@ struct Counted(f64);
 
 macro_rules! operator {
     ($($trait:ident $method:ident $assign:ident $assign_method:ident $op:tt $field:ident;)*) => {$(
+        #[allow(clippy::suspicious_arithmetic_impl, reason = "the sum is the count's")]
         impl $trait for Counted {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
