@@ -10,11 +10,11 @@ use crate::measure::Record;
 const TOLERANCES: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
 /// The cheapest run of those that are wanted within a tolerance.
-fn cheapest<'a>(
-    records: &'a [Record],
+fn cheapest(
+    records: &[Record],
     tolerance: f64,
     wanted: impl Fn(&Record) -> bool,
-) -> Option<&'a Record> {
+) -> Option<&Record> {
     let good = records.iter().filter(|r| r.error <= tolerance && wanted(r));
     good.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
 }
