@@ -1,0 +1,193 @@
+//! Time of steps and iterations: `cargo bench --bench steps`. The paper's pendulum per step, steps of
+//! pendulums of 4 to 65 536 elements, a static Newton iteration and the factorisation in it. Processor
+//! time of the thread and not of the clock: such runs are long enough for others to have their turns in.
+#![allow(
+    missing_docs,
+    reason = "criterion's macros define items without documentation"
+)]
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use ancf::prelude::*;
+use ancf::solver::{Factor, Matrix};
+use cpu_time::ThreadTime;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+
+/// Processor time of work done a number of times.
+fn spent(times: u64, mut work: impl FnMut()) -> Duration {
+    let start = ThreadTime::now();
+    for _ in 0..times {
+        work();
+    }
+    start.elapsed()
+}
+
+/// How the start of the beam is held.
+enum Held {
+    Pinned,
+    Clamped,
+}
+
+/// The paper's pendulum of a length (m) with `n` elements.
+fn pendulum<const D: usize, const S: usize>(held: Held, length: f64, n: usize) -> System<f64, D>
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let axis = |k: usize, v: f64| std::array::from_fn(|c| if c == k { v } else { 0.0 });
+    let mut scene = Scene::<f64, D>::new();
+    let disk = Disk::new(0.01).expect("a radius");
+    let solid = SaintVenantKirchhoff::isotropic(2.0e7, 0.0).expect("admissible constants");
+    let beam = Beam::new(FullyParameterised, disk, Continuum::full(solid))
+        .straight([0.0; D], axis(0, length), n)
+        .density(7200.0);
+    let beam = scene.add(beam).expect("a beam");
+    match held {
+        Held::Pinned => scene.pin(beam.start()),
+        Held::Clamped => scene.clamp(beam.start()),
+    }
+    .expect("a node");
+    scene.gravity(axis(1, -9.81)).expect("finite gravity");
+    scene.assemble().expect("a system")
+}
+
+fn steps<const D: usize, const S: usize>(c: &mut Criterion, name: &str)
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let mut group = c.benchmark_group(name);
+    let system = pendulum::<D, S>(Held::Pinned, 1.0, 10);
+    for refresh in [
+        Refresh::EveryIteration,
+        Refresh::EverySolve,
+        Refresh::WhenSlow,
+    ] {
+        group.throughput(Throughput::Elements(200));
+        group.bench_function(format!("200 steps, tangent {refresh:?}"), |b| {
+            b.iter_custom(|times| {
+                spent(times, || {
+                    let newton = Newton {
+                        refresh,
+                        ..Newton::default()
+                    };
+                    let method = Newmark::trapezoidal().with_newton(newton);
+                    let mut run =
+                        Integration::start(&system, system.rest(), &method).expect("a run");
+                    run.until(0.2, Stepping::Fixed(1e-3), |_| {})
+                        .expect("0.2 s");
+                    black_box(run.into_state());
+                })
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Steps from rest of pendulums whose elements are all of the same length: every element has the same
+/// work to do, however many there are.
+fn sizes<const D: usize, const S: usize>(c: &mut Criterion, name: &str)
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let mut group = c.benchmark_group(name);
+    for n in [4, 16, 64, 256, 1024, 4096, 16384, 65536] {
+        let system = pendulum::<D, S>(Held::Pinned, 0.1 * n as f64, n);
+        group.throughput(Throughput::Elements(4 * n as u64));
+        group.bench_function(BenchmarkId::from_parameter(n), |b| {
+            b.iter_custom(|times| {
+                let mut spent = Duration::ZERO;
+                for _ in 0..times {
+                    let method = Newmark::trapezoidal();
+                    let run = Integration::start(&system, system.rest(), &method);
+                    let mut run = run.expect("a run");
+                    let start = ThreadTime::now();
+                    run.until(4e-3, Stepping::Fixed(1e-3), |_| {})
+                        .expect("four steps");
+                    spent += start.elapsed();
+                }
+                spent
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Residual, tangent, factors and correction of a static Newton iteration.
+fn iteration<const D: usize, const S: usize>(c: &mut Criterion, name: &str)
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let mut group = c.benchmark_group(name);
+    for n in [64, 65536] {
+        let system = pendulum::<D, S>(Held::Clamped, 0.1 * n as f64, n);
+        let u = system.rest().displacement;
+        let mut q = vec![0.0; u.len()];
+        let mut k = Matrix::zero(system.unknowns(), true);
+        let mut factor = Factor::new(system.unknowns().profile(), true);
+        let mut x = vec![1.0; system.unknowns().count()];
+        group.throughput(Throughput::Elements(n as u64));
+        group.bench_function(BenchmarkId::from_parameter(n), |b| {
+            b.iter_custom(|times| {
+                spent(times, || {
+                    q.fill(0.0);
+                    system.add_internal(black_box(&u), &mut q);
+                    k.clear();
+                    system.add_tangent(0.0, 1.0, &u, &mut k).expect("a tangent");
+                    factor.factor(k.stored()).expect("a definite matrix");
+                    x.fill(1.0);
+                    factor.solve(&mut x).expect("factors");
+                })
+            });
+        });
+    }
+    group.finish();
+}
+
+fn factorisation(c: &mut Criterion) {
+    let mut group = c.benchmark_group("factor and solve, spatial chain");
+    for n in [10, 100, 1000] {
+        let system = pendulum::<3, 8>(Held::Pinned, 1.0, n);
+        let u = system.rest().displacement;
+        let mut k = Matrix::zero(system.unknowns(), true);
+        system.add_tangent(0.0, 1.0, &u, &mut k).expect("a tangent");
+        system.add_mass(4e6, &mut k).expect("the same profile");
+        let mut x = vec![0.0; system.unknowns().count()];
+        let mut factor = Factor::new(system.unknowns().profile(), true);
+        group.throughput(Throughput::Elements(n as u64));
+        group.bench_function(BenchmarkId::from_parameter(n), |b| {
+            b.iter_custom(|times| {
+                spent(times, || {
+                    factor.factor(k.stored()).expect("a definite matrix");
+                    x.fill(1.0);
+                    factor.solve(&mut x).expect("factors");
+                })
+            });
+        });
+    }
+    group.finish();
+}
+
+fn all(c: &mut Criterion) {
+    steps::<3, 8>(c, "pendulum in space, 10 elements");
+    steps::<2, 6>(c, "pendulum in the plane, 10 elements");
+    sizes::<3, 8>(c, "four steps in space, elements");
+    sizes::<2, 6>(c, "four steps in the plane, elements");
+    iteration::<3, 8>(c, "static iteration in space, elements");
+    iteration::<2, 6>(c, "static iteration in the plane, elements");
+    factorisation(c);
+}
+
+/// Short measurements, whose noise is that of the machine.
+fn settings() -> Criterion {
+    Criterion::default()
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .sample_size(10)
+}
+
+criterion_group!(name = benches; config = settings(); targets = all);
+criterion_main!(benches);

@@ -1,0 +1,50 @@
+//! Element kernels in whatever lanes: what the benchmarks of speed and of the share of the peak time.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use ancf::formulation::{ElementKernel, Tangent};
+use ancf::scalar::{Algebra, LaneWork, Lanes, Real};
+
+/// Nodal displacements of a bent, sheared and stretched element.
+pub fn bent<R, T: Algebra<R>, const D: usize, const S: usize>() -> [[T; D]; S] {
+    std::array::from_fn(|i| std::array::from_fn(|c| T::lit(1e-2 * ((3 * i + c + 1) as f64).sin())))
+}
+
+/// Evaluates a group of elements, one in each lane, a number of times, with or without the
+/// `TANGENT`; says how many and how long.
+pub struct Timed<'a, Kn, const TANGENT: bool, const D: usize, const S: usize> {
+    /// The kernel.
+    pub kernel: &'a Kn,
+    /// How often.
+    pub times: u64,
+}
+
+impl<R, Kn, const TANGENT: bool, const D: usize, const S: usize> LaneWork<R>
+    for Timed<'_, Kn, TANGENT, D, S>
+where
+    R: Real,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = (usize, Duration);
+
+    // As chains of elements have it.
+    const HEAVY: bool = TANGENT;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> (usize, Duration) {
+        let u: [[L; D]; S] = bent::<R, L, D, S>();
+        let mut k: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+        let start = Instant::now();
+        for _ in 0..self.times {
+            let mut q = [[L::zero(); D]; S];
+            if TANGENT {
+                self.kernel.tangent(black_box(&u), &mut q, &mut k);
+            } else {
+                self.kernel.force(black_box(&u), &mut q);
+            }
+            black_box((&q, &k));
+        }
+        (L::WIDTH, start.elapsed())
+    }
+}
