@@ -94,7 +94,7 @@ impl<const S: usize> Positions<S> {
             // The diagonal block loses the row of every other position as it was and its column as
             // it is then.
             for p in others.clone() {
-                subtract_block(k, (p, first), (first, first));
+                subtract_block(k, (first, p), (first, first));
             }
             for p in others.clone() {
                 for j in 0..S {
