@@ -25,6 +25,7 @@ mod x86;
 #[cfg(feature = "double-double")]
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
+pub(crate) use lanes::Loops;
 pub use lanes::{LaneWork, Lanes};
 pub use mask::{Mask, together};
 pub use pack::{Laned, Pack};

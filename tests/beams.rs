@@ -7,7 +7,6 @@ mod constraints;
 mod derivatives;
 mod dynamics;
 mod elements;
-mod ensembles;
 mod families;
 mod joints;
 mod lanes;

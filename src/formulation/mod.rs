@@ -31,7 +31,7 @@ use std::fmt::Debug;
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, LaneWork, Real};
+use crate::scalar::{Algebra, LaneWork, Real, Scalar};
 use crate::section::Section;
 use crate::tensor::sum;
 
@@ -39,6 +39,20 @@ use crate::tensor::sum;
 /// nodal vector `i` by component `d` of nodal vector `j`; flattened, a row-major matrix in the
 /// order of the coordinates.
 pub type Tangent<T, const D: usize, const S: usize> = [[[[T; D]; S]; D]; S];
+
+/// Fills the blocks `k[i][..][j]` with `i > j` of a symmetric tangent from those across the diagonal.
+#[inline(always)]
+pub(crate) fn mirror<T: Scalar, const D: usize, const S: usize>(k: &mut Tangent<T, D, S>) {
+    for i in 0..S {
+        for j in 0..i {
+            for c in 0..D {
+                for d in 0..D {
+                    k[i][c][j][d] = k[j][d][i][c];
+                }
+            }
+        }
+    }
+}
 
 /// Reference geometry of one element: nodal vectors `e0` from which strains are measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,6 +148,19 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
                 }
             }
         }
+    }
+
+    /// The same, but the tangent overwrites the blocks `k[i][..][j]` with `i <= j`; what becomes of the
+    /// others does not matter. This is what assembly asks for; by default all of the tangent.
+    #[inline(always)]
+    fn upper_tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        *k = [[[[T::zero(); D]; S]; D]; S];
+        self.tangent(u, q, k);
     }
 
     /// Whether [`secant`](Self::secant) is made of strains that rotations do not change, so that

@@ -14,15 +14,6 @@ pub(super) struct Positions<const S: usize> {
     count: usize,
 }
 
-/// Where a block of the tangent by relative vectors goes in one by vectors.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Target {
-    pub(super) row: usize,
-    pub(super) column: usize,
-    pub(super) transposed: bool,
-    pub(super) negative: bool,
-}
-
 impl<const S: usize> Positions<S> {
     pub(super) const NONE: Self = Self {
         places: [0; S],
@@ -42,7 +33,9 @@ impl<const S: usize> Positions<S> {
 
     /// The first position and the others.
     #[inline(always)]
-    pub(super) fn split(&self) -> Option<(usize, impl DoubleEndedIterator<Item = usize> + '_)> {
+    pub(super) fn split(
+        &self,
+    ) -> Option<(usize, impl DoubleEndedIterator<Item = usize> + Clone + '_)> {
         // The minimum is the identity; it lets the optimiser drop the bounds checks.
         let place = |i: &usize| (*i).min(S - 1);
         let (first, others) = self.places[..self.count.min(S)].split_first()?;
@@ -93,32 +86,27 @@ impl<const S: usize> Positions<S> {
         }
     }
 
-    /// Where the block between the relative vectors `i` and `j`, and its transpose, go.
-    pub(super) fn targets(&self, i: usize, j: usize) -> Vec<Target> {
-        let of = |i: usize| {
-            let opposite = self.split().and_then(|(first, mut others)| {
-                let relative = others.any(|other| other == i);
-                relative.then_some((first, true))
-            });
-            std::iter::once((i, false)).chain(opposite)
-        };
-        let mut targets = Vec::new();
-        for (row, minus) in of(i) {
-            for (column, also) in of(j) {
-                let negative = minus != also;
-                for (row, column, transposed) in [(row, column, false), (column, row, true)] {
-                    if !transposed || i != j {
-                        targets.push(Target {
-                            row,
-                            column,
-                            transposed,
-                            negative,
-                        });
+    /// Turns the blocks `k[i][..][j]`, `i <= j`, of a symmetric tangent by relative vectors into those
+    /// of the one by vectors.
+    #[inline(always)]
+    pub(super) fn finish_upper<T: Scalar, const D: usize>(&self, k: &mut Tangent<T, D, S>) {
+        if let Some((first, others)) = self.split() {
+            // The diagonal block loses the row of every other position as it was and its column as
+            // it is then.
+            for p in others.clone() {
+                subtract_block(k, (first, p), (first, first));
+            }
+            for p in others.clone() {
+                for j in 0..S {
+                    if j != first {
+                        subtract_block(k, (p, j), (first, j));
                     }
                 }
             }
+            for p in others {
+                subtract_block(k, (p, first), (first, first));
+            }
         }
-        targets
     }
 
     /// Adds a tangent by relative vectors to one by vectors.
@@ -147,6 +135,27 @@ impl<const S: usize> Positions<S> {
         let relative = relative.as_flattened().as_flattened().as_flattened();
         for (k, stiffness) in k.iter_mut().zip(relative) {
             *k += *stiffness;
+        }
+    }
+}
+
+/// Subtracts one block of a symmetric tangent, of which those with `i <= j` are stored, from another.
+#[inline(always)]
+fn subtract_block<T: Scalar, const D: usize, const S: usize>(
+    k: &mut Tangent<T, D, S>,
+    from: (usize, usize),
+    to: (usize, usize),
+) {
+    for c in 0..D {
+        for d in 0..D {
+            let value = match from.0 <= from.1 {
+                true => k[from.0][c][from.1][d],
+                false => k[from.1][d][from.0][c],
+            };
+            match to.0 <= to.1 {
+                true => k[to.0][c][to.1][d] -= value,
+                false => k[to.1][d][to.0][c] -= value,
+            }
         }
     }
 }

@@ -9,13 +9,13 @@
 use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
-use super::relative::{Positions, Target};
-use super::{ElementKernel, Reference, Tangent};
+use super::relative::Positions;
+use super::{ElementKernel, Reference, Tangent, mirror};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, LaneWork, Real};
-use crate::tensor::{add_scaled, add_times, times};
+use crate::tensor::{add_scaled, add_times, array, sum, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,8 +128,8 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
 }
 
 /// Stations whose stiffness is held at once, so that each block of the tangent is summed over them
-/// in registers and written once.
-const BATCH: usize = 5;
+/// in registers: more of them, and packs leave the first cache.
+const BATCH: usize = 2;
 
 /// A block of section stiffness in a block of the tangent: sampled vectors, and the weight at each
 /// station of a batch.
@@ -142,10 +142,10 @@ struct Term<R> {
 /// The block of the tangent between two nodal vectors, as a sum of blocks of section stiffness.
 #[derive(Debug, Clone)]
 struct Block<R> {
+    row: usize,
+    column: usize,
     /// Terms taken as they are, then terms transposed.
     terms: [Vec<Term<R>>; 2],
-    /// Where the sum goes.
-    targets: Vec<Target>,
 }
 
 #[derive(Debug, Clone)]
@@ -155,7 +155,7 @@ struct Batch<R, const D: usize, const S: usize, const K: usize> {
 }
 
 impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> {
-    fn new(stations: &[Station<R, D, S, K>], positions: &Positions<S>) -> Self {
+    fn new(stations: &[Station<R, D, S, K>]) -> Self {
         let dense = |station: &Station<R, D, S, K>, k: usize, i: usize| {
             let row = &station.rows[k];
             let entry = row.iter().find(|&(nodal, _)| nodal == i);
@@ -171,20 +171,19 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> 
             present.then_some(Term { pair, weight })
         };
         let mut blocks = Vec::new();
-        for i in 0..S {
-            for j in i..S {
+        for row in 0..S {
+            for column in row..S {
                 let mut terms = [Vec::new(), Vec::new()];
                 for k in 0..K {
                     for l in k..K {
-                        terms[0].extend(term((i, k), (j, l)));
+                        terms[0].extend(term((row, k), (column, l)));
                         if l > k {
-                            terms[1].extend(term((j, k), (i, l)));
+                            terms[1].extend(term((column, k), (row, l)));
                         }
                     }
                 }
                 if terms.iter().any(|terms| !terms.is_empty()) {
-                    let targets = positions.targets(i, j);
-                    blocks.push(Block { terms, targets });
+                    blocks.push(Block { row, column, terms });
                 }
             }
         }
@@ -201,7 +200,9 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> 
         tangent: &mut Tangent<T, D, S>,
     ) {
         for block in &self.blocks {
-            let mut sum = [[T::zero(); D]; D];
+            // The minima are identities; they let the optimiser drop the bounds checks.
+            let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
+            let mut sum: [[T; D]; D] = array(|c| tangent[i][c][j]);
             for Term { pair, weight } in &block.terms[0] {
                 let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
                 for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
@@ -220,25 +221,8 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> 
                     }
                 }
             }
-            for target in &block.targets {
-                let (i, j) = (target.row.min(S - 1), target.column.min(S - 1));
-                let value = |c: usize, d: usize| match target.transposed {
-                    true => sum[d][c],
-                    false => sum[c][d],
-                };
-                if target.negative {
-                    for c in 0..D {
-                        for d in 0..D {
-                            tangent[i][c][j][d] -= value(c, d);
-                        }
-                    }
-                } else {
-                    for c in 0..D {
-                        for d in 0..D {
-                            tangent[i][c][j][d] += value(c, d);
-                        }
-                    }
-                }
+            for c in 0..D {
+                tangent[i][c][j] = sum[c];
             }
         }
     }
@@ -297,9 +281,8 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
             }
         };
         let stations: Vec<_> = axial.iter().map(station).collect();
-        let batch = |stations: &[_]| Batch::new(stations, &self.positions);
         self.parts
-            .push((law, stations.chunks(BATCH).map(batch).collect()));
+            .push((law, stations.chunks(BATCH).map(Batch::new).collect()));
         self
     }
 }
@@ -360,12 +343,33 @@ where
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
+        let mut upper = [[[[T::zero(); D]; S]; D]; S];
+        self.upper_tangent(u, q, &mut upper);
+        mirror(&mut upper);
+        let sums = k.as_flattened_mut().as_flattened_mut();
+        for (k, row) in sums.iter_mut().zip(upper.as_flattened().as_flattened()) {
+            *k = sum(k, row);
+        }
+    }
+
+    #[inline(always)]
+    fn upper_tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
         let mut v = *u;
         self.positions.make_relative(&mut v);
         let mut f = [[T::zero(); D]; S];
+        for i in 0..S {
+            for row in &mut k[i] {
+                row[i..].fill([T::zero(); D]);
+            }
+        }
+        let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
         for (law, batches) in &self.parts {
             for batch in batches {
-                let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
                 for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
                     let h = station.sample(&v);
                     let n = law.stiffness(&station.reference, &h, stiffness);
@@ -375,6 +379,7 @@ where
             }
         }
         self.positions.add_force(&f, q);
+        self.positions.finish_upper(k);
     }
 
     fn has_strain(&self) -> bool {

@@ -55,6 +55,19 @@ pub trait LaneWork<R> {
     fn run<L: Lanes<R>>(self) -> Self::Output;
 }
 
+/// Work of plain loops over numbers, compiled for the widest registers, which packs fill by themselves.
+/// The closure must be inlined.
+pub(crate) struct Loops<F>(pub(crate) F);
+
+impl<R, T, F: FnOnce() -> T> LaneWork<R> for Loops<F> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> T {
+        (self.0)()
+    }
+}
+
 impl<R: Real> Lanes<R> for R {
     const WIDTH: usize = 1;
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Inertia, Reference, Tangent};
+use crate::formulation::{ElementKernel, Inertia, Reference, Tangent, mirror};
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::{BandMatrix, Matrix};
 use crate::tensor::sum;
@@ -286,20 +286,30 @@ where
     fn run<L: Lanes<R>>(self) -> Result<()> {
         let Self { chain, u, k } = self;
         let mut result = Ok(());
+        let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
         chain.groups::<L>(
             u,
             #[inline(always)]
             |elements, kernel, u| {
                 let mut force = [[L::zero(); D]; S];
-                let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-                kernel.tangent(u, &mut force, &mut tangent);
-                let block = tangent.as_flattened().as_flattened().as_flattened();
+                kernel.upper_tangent(u, &mut force, &mut tangent);
                 let start = chain.starts_in(elements);
+                let alone = |k: &Matrix<R>, lane: usize| {
+                    start(lane).filter(|offset| !k.takes_blocks(*offset, S * D))
+                };
+                let whole = (0..L::WIDTH).all(|lane| alone(k, lane).is_none());
+                if !(whole && k.stored().is_symmetric()) {
+                    mirror(&mut tangent);
+                }
+                let block = tangent.as_flattened().as_flattened().as_flattened();
                 if result.is_ok() {
                     result = k.add_blocks(S * D, block, &start);
                 }
+                if whole {
+                    return;
+                }
                 for lane in 0..L::WIDTH {
-                    match start(lane).filter(|offset| !k.takes_blocks(*offset, S * D)) {
+                    match alone(k, lane) {
                         Some(offset) if result.is_ok() => {
                             result = add_lane::<R, L, D, S>(k, lane, offset, block);
                         }

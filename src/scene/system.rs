@@ -15,7 +15,7 @@ use super::tie::{Connecting, Holding};
 use super::{Node, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
-use crate::scalar::Real;
+use crate::scalar::{Loops, Real};
 use crate::solver::band::{BandMatrix, Profile};
 use crate::solver::{Condition, Matrix, Rate, Secant, State, Structure, Unknowns, Workspace, held};
 use crate::tensor::{add_scaled, cross, sum};
@@ -613,20 +613,25 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
         let Some(mass) = &self.mass else { return };
-        for i in 0..mass.size() {
-            let (first, row) = mass.row(i);
-            for (j, m) in (first..).zip(row) {
-                let m = factor * *m;
-                for c in 0..D {
-                    out[i * D + c] += m * a[j * D + c];
-                }
-                if i != j {
-                    for c in 0..D {
-                        out[j * D + c] += m * a[i * D + c];
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for i in 0..mass.size() {
+                    let (first, row) = mass.row(i);
+                    for (j, m) in (first..).zip(row) {
+                        let m = factor * *m;
+                        for c in 0..D {
+                            out[i * D + c] += m * a[j * D + c];
+                        }
+                        if i != j {
+                            for c in 0..D {
+                                out[j * D + c] += m * a[i * D + c];
+                            }
+                        }
                     }
                 }
-            }
-        }
+            },
+        ));
     }
 
     fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
@@ -636,13 +641,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for i in 0..mass.size() {
             let (first, row) = mass.row(i);
             for (j, m) in (first..).zip(row) {
-                let m = factor * *m;
-                for c in 0..D {
-                    k.add(i * D + c, j * D + c, m)?;
-                    if i != j {
-                        k.add(j * D + c, i * D + c, m)?;
-                    }
-                }
+                k.add_alike(i * D, j * D, D, factor * *m)?;
             }
         }
         Ok(())

@@ -67,6 +67,24 @@ impl<R: Real> Matrix<R> {
         })
     }
 
+    /// Adds `value` to the entries of the coordinates `i + c` and `j + c`, `c < n`, and to their
+    /// mirror images: a mass couples every component with itself alone.
+    pub(crate) fn add_alike(&mut self, i: usize, j: usize, n: usize, value: R) -> Result<()> {
+        let Self { unknowns, stored } = self;
+        if let (Some(p), Some(q), Some(envelope)) =
+            (unknowns.run(i, n), unknowns.run(j, n), stored.envelope())
+        {
+            return (0..n).try_for_each(|c| envelope.add_mirrored(p + c, q + c, value));
+        }
+        for c in 0..n {
+            self.add(i + c, j + c, value)?;
+            if i != j {
+                self.add(j + c, i + c, value)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Adds the full row-major matrix of an element whose `n` coordinates are numbered
     /// consecutively from `offset`.
     ///

@@ -11,7 +11,7 @@ use super::structure::held;
 use super::unknowns::Unknowns;
 use super::{State, Structure, Tape};
 use crate::error::{Error, Result};
-use crate::scalar::{Mask, Real};
+use crate::scalar::{Loops, Mask, Real};
 
 /// When the tangent is evaluated and factorised anew.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -541,21 +541,27 @@ impl<R: Real> Workspace<R> {
             self.force = largest.where_else(open, self.force);
         }
         let (force, size) = (self.unit(), self.size);
-        let mut squares = [R::zero(); 4];
-        for &i in unknowns.free() {
-            let (external, internal) = (self.external[i], self.internal[i]);
-            let inertia = if inertia { self.inertia[i] } else { R::zero() };
-            let residual = external - internal - inertia;
-            self.scratch[i] = residual;
-            let size = measure[i] / size;
-            for (square, part) in squares
-                .iter_mut()
-                .zip([residual, external, internal, inertia])
-            {
-                let part = part / force * size;
-                *square += part * part;
-            }
-        }
+        let squares = R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                let mut squares = [R::zero(); 4];
+                for &i in unknowns.free() {
+                    let (external, internal) = (self.external[i], self.internal[i]);
+                    let inertia = if inertia { self.inertia[i] } else { R::zero() };
+                    let residual = external - internal - inertia;
+                    self.scratch[i] = residual;
+                    let size = measure[i] / size;
+                    for (square, part) in squares
+                        .iter_mut()
+                        .zip([residual, external, internal, inertia])
+                    {
+                        let part = part / force * size;
+                        *square += part * part;
+                    }
+                }
+                squares
+            },
+        ));
         let largest = squares[1].larger(squares[2]).larger(squares[3]);
         // A state without any force is its own solution: avoid 0 / 0.
         let scale = R::one().where_else(largest.at_most(R::zero()), largest);

@@ -308,12 +308,18 @@ impl<R: Real> Ldlt<R> {
         for k in 0..below {
             let column = &mut open[k * stride..][..stride];
             let factors: [R; P] = array(|p| -unscaled[p][k]);
-            for i in (0..below - k).step_by(L::WIDTH) {
+            // Slices of one length, so that their bounds are checked once.
+            let reached = below - k + L::WIDTH - 1;
+            let column = &mut column[..reached];
+            let scaled: [&[R]; P] = array(|p| &scaled[p][k..][..reached]);
+            let mut i = 0;
+            while i + L::WIDTH <= reached {
                 let mut entry = L::load(&column[i..]);
                 for p in 0..P {
-                    entry = entry.plus_times(factors[p], L::load(&scaled[p][k + i..]));
+                    entry = entry.plus_times(factors[p], L::load(&scaled[p][i..]));
                 }
                 entry.store(&mut column[i..]);
+                i += L::WIDTH;
             }
         }
         Ok(true)

@@ -5,7 +5,7 @@ use num_traits::Signed;
 
 use super::Profile;
 use crate::error::{Error, Result};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::{Lanes, Loops, Real};
 
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
@@ -134,6 +134,17 @@ impl<R: Real> BandMatrix<R> {
             self.data[index] += value;
         }
         Ok(())
+    }
+
+    /// Adds `value` to the entries `(i, j)` and `(j, i)`, once if they are one.
+    #[inline]
+    pub(in crate::solver) fn add_mirrored(&mut self, i: usize, j: usize, value: R) -> Result<()> {
+        let (row, column) = (i.max(j), i.min(j));
+        self.add(row, column, value)?;
+        match self.symmetric || i == j {
+            true => Ok(()),
+            false => self.add(column, row, value),
+        }
     }
 
     /// Adds the matrix of an element whose `n` unknowns are numbered consecutively from
@@ -269,21 +280,26 @@ impl<R: Real> BandMatrix<R> {
     fn product(&self, x: &[R], y: &mut [R], map: impl Fn(R) -> R) -> Result<()> {
         Error::check_length("vector to multiply", x.len(), self.size())?;
         Error::check_length("product", y.len(), self.size())?;
-        y.fill(R::zero());
-        for i in 0..self.size() {
-            let (first, row) = self.row(i);
-            let mut sum = R::zero();
-            for (a, x) in row.iter().zip(&x[first..]) {
-                sum += map(*a) * map(*x);
-            }
-            y[i] += sum;
-            if self.symmetric {
-                let own = map(x[i]);
-                for (a, y) in row.iter().zip(&mut y[i..]).skip(1) {
-                    *y += map(*a) * own;
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                y.fill(R::zero());
+                for i in 0..self.size() {
+                    let (first, row) = self.row(i);
+                    let mut sum = R::zero();
+                    for (a, x) in row.iter().zip(&x[first..]) {
+                        sum += map(*a) * map(*x);
+                    }
+                    y[i] += sum;
+                    if self.symmetric {
+                        let own = map(x[i]);
+                        for (a, y) in row.iter().zip(&mut y[i..]).skip(1) {
+                            *y += map(*a) * own;
+                        }
+                    }
                 }
-            }
-        }
+            },
+        ));
         Ok(())
     }
 
