@@ -4,6 +4,7 @@
 //! so that no slender beam is asked for digits its number type does not have.
 
 mod project;
+mod search;
 
 use super::band::Factor;
 use super::matrix::Matrix;
@@ -38,6 +39,13 @@ pub struct Newton {
     pub iterations: usize,
     /// When the tangent is renewed.
     pub refresh: Refresh,
+    /// Whether a correction that overshoots, so that the forces left work against it, is shortened.
+    /// Cables and nets that stand by their tension converge so from a straight or slack state under
+    /// any load, where full corrections need many short load steps or fail; corrections that do not
+    /// overshoot cost nothing. Not for bending: a thin beam comes to its bent state through
+    /// stretched ones of high energy, and shortened corrections creep. Without effect along paths
+    /// and where there are nonlinear constraints.
+    pub line_search: bool,
 }
 
 impl Default for Newton {
@@ -47,6 +55,7 @@ impl Default for Newton {
             correction: 1e-6,
             iterations: 40,
             refresh: Refresh::EveryIteration,
+            line_search: false,
         }
     }
 }
@@ -174,7 +183,8 @@ pub(crate) struct Workspace<R> {
     /// Two more vectors by unknowns.
     rounded: Vec<R>,
     positions: Vec<R>,
-    /// Change of coordinates at a fixed load factor, where that is an unknown.
+    /// Change of coordinates at a fixed load factor, where that is an unknown; the correction made,
+    /// where it may be shortened.
     fixed: Vec<R>,
 }
 
@@ -331,8 +341,17 @@ impl<R: Real> Workspace<R> {
         if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
+        let searching =
+            settings.line_search && choice.is_none() && structure.multipliers().is_empty();
+        let mut work = R::zero();
         loop {
-            let balance = self.balance(structure, &equations, u)?;
+            let mut balance = self.balance(structure, &equations, u)?;
+            if searching && let Some(made) = &mut correction {
+                let share;
+                (balance, share) =
+                    self.search(structure, settings, &equations, (work, balance), u)?;
+                *made *= share;
+            }
             solved.residual = (balance.residual / balance.scale).largest();
             if !balance.residual.finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
@@ -345,7 +364,7 @@ impl<R: Real> Workspace<R> {
             let small = balance
                 .residual
                 .at_most(balance.scale * R::lit(settings.residual));
-            let floor = self.floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON);
+            let floor = self.leftover(&balance);
             let mut at_floor =
                 balance.residual.at_most(floor) & corrected_by(NEAR) & !fell_to(STALLED);
             rises += R::zero().where_else(fell_to(1.0), R::one());
@@ -398,7 +417,15 @@ impl<R: Real> Workspace<R> {
             }
             current = false;
             previous = Some(balance.residual);
+            if searching {
+                self.fixed.clear();
+                self.fixed.extend_from_slice(&self.scratch);
+            }
             self.solve_linear(structure.unknowns())?;
+            if searching {
+                work = self.work_left(structure);
+                self.fixed.copy_from_slice(&self.scratch);
+            }
             if let Some(choice) = &mut choice {
                 let change = self.load_change(structure, &equations, *choice, u)?;
                 equations.factor += change.ok_or_else(|| {
@@ -569,6 +596,11 @@ impl<R: Real> Workspace<R> {
     /// numbers of single precision.
     fn unit(&self) -> R {
         R::one().where_else(self.force.at_most(R::zero()), self.force)
+    }
+
+    /// What rounding may leave of a balance.
+    fn leftover(&self, balance: &Balance<R>) -> R {
+        self.floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON)
     }
 
     fn add_tangent<S: Structure<R> + ?Sized>(
