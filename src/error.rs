@@ -149,10 +149,11 @@ pub enum Error {
     },
     /// An equilibrium is stable in other directions than the one before it.
     #[error(
-        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow the path with Path"
+        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow it with Continuation"
     )]
     StabilityChanged {
-        /// Negative eigenvalues of the tangent before the step.
+        /// Negative eigenvalues of the tangent before the step; under follower loads 0 for an even and
+        /// 1 for an odd number.
         before: usize,
         /// Negative eigenvalues after it.
         now: usize,

@@ -106,6 +106,28 @@ impl Solved {
     }
 }
 
+/// What is known of an equilibrium's stability.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Stability {
+    /// Negative eigenvalues of the tangent, where it is symmetric.
+    pub(crate) unstable: Option<usize>,
+    /// Whether its negative eigenvalues are odd in number.
+    pub(crate) odd: Option<bool>,
+}
+
+impl Stability {
+    /// Whether two equilibria are known to differ in stability, and by which numbers: of negative
+    /// eigenvalues, or 0 and 1 for an even and an odd number where no more is known.
+    pub(crate) fn differs(self, other: Self) -> Option<[usize; 2]> {
+        let parity = |s: Self| s.odd.map(usize::from);
+        let numbers = match (self.unstable, other.unstable) {
+            (Some(a), Some(b)) => [a, b],
+            _ => [parity(self)?, parity(other)?],
+        };
+        (numbers[0] != numbers[1]).then_some(numbers)
+    }
+}
+
 /// The equations of one solve: statics at a load level, or a time step.
 #[derive(Clone, Copy)]
 pub(crate) struct Equations<'a, R> {
@@ -278,20 +300,23 @@ impl<R: Real> Workspace<R> {
         &mut self.factor
     }
 
-    /// Factorises the tangent at `u`, and tells its negative eigenvalues where the factors do.
-    pub(crate) fn unstable<S: Structure<R> + ?Sized>(
+    /// Factorises the tangent at `u`, and tells what the factors tell of its stability.
+    pub(crate) fn stability<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
-    ) -> Result<Option<usize>> {
+    ) -> Result<Stability> {
         match self.renew(structure, equations, u) {
-            // Every multiplier brings one that says nothing of stability.
+            // Every multiplier brings an eigenvalue that says nothing of stability.
             Ok(()) => {
                 let held = held(structure);
-                Ok(self.factor.inertia().and_then(|all| all.checked_sub(held)))
+                Ok(Stability {
+                    unstable: self.factor.inertia().and_then(|all| all.checked_sub(held)),
+                    odd: self.factor.odd().map(|odd| odd != (held % 2 == 1)),
+                })
             }
-            Err(Error::Mechanism { .. }) => Ok(None),
+            Err(Error::Mechanism { .. }) => Ok(Stability::default()),
             Err(error) => Err(error),
         }
     }

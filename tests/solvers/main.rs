@@ -1,0 +1,5 @@
+//! Claims about how equilibria are found and followed, one file per family of claims: a single program
+//! of few kernels.
+
+mod follower;
+mod search;
