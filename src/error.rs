@@ -181,6 +181,17 @@ pub enum Error {
         /// The vanishing pivot.
         pivot: f64,
     },
+    /// The tangent is singular to the digits of its numbers though supports and joints hold the
+    /// structure: its softest stiffness is lost beside the largest, or the state is critical.
+    #[error(
+        "supports and joints hold every rigid motion, but the stiffness of {coordinate} (pivot {pivot:.1e}) is lost in the rounding of the numbers: the structure is so slender, uneven or light that its softest part drowns beside its stiffest, then take a number type of more digits, stockier or fewer elements; or the load is just critical, then follow the path with Continuation"
+    )]
+    StiffnessLost {
+        /// The first coordinate whose stiffness is lost, in words.
+        coordinate: String,
+        /// The vanishing pivot.
+        pivot: f64,
+    },
     /// An equilibrium of which rounding leaves no digit.
     #[error(
         "rounding leaves no digit of the displacements (one more correction would change them by {share:.1e} of themselves): the stiffness spans more orders of magnitude than the number type has digits; take one of more digits, or fewer or stockier elements"

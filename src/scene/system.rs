@@ -1,6 +1,7 @@
 //! The assembled system: coordinates, constant mass, loads and the bodies' elastic forces, as the
 //! solvers see them through [`Structure`].
 
+mod loose;
 mod saddle;
 
 pub use saddle::Drift;
@@ -12,7 +13,7 @@ use super::chain::Body;
 use super::joint::Course;
 use super::load::NodalLoad;
 use super::tie::{Connecting, Holding};
-use super::{Node, Scene, coordinates, locate};
+use super::{Node, Permanent, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
@@ -61,6 +62,7 @@ pub struct System<R: Real, const D: usize> {
     scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
+    permanent: Permanent,
     connectors: Vec<Box<dyn Connecting<R>>>,
     constraints: Vec<Box<dyn Holding<R>>>,
     /// Factor by which the mass is scaled beside the constraints.
@@ -87,6 +89,7 @@ impl<R: Real, const D: usize> System<R, D> {
             mut constraints,
             masses,
             gravity,
+            permanent,
             size,
         } = scene;
         if bodies.is_empty() {
@@ -169,6 +172,7 @@ impl<R: Real, const D: usize> System<R, D> {
             scene: id,
             bodies,
             loads,
+            permanent,
             connectors,
             constraints,
             mass_factor: R::one(),
@@ -377,6 +381,42 @@ impl<R: Real, const D: usize> System<R, D> {
         bodies.chain(connectors).sum()
     }
 
+    fn add_weight(&self, factor: R, q: &mut [R]) {
+        for (q, w) in q.iter_mut().zip(self.weight.iter().flatten()) {
+            *q += factor * *w;
+        }
+    }
+
+    fn add_loads(
+        &self,
+        loads: &[NodalLoad<R, D>],
+        time: R,
+        factor: R,
+        u: &[R],
+        q: &mut [R],
+    ) -> Result<()> {
+        for load in loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.add(amplitude, |i| self.reference[i] + u[i], q);
+        }
+        Ok(())
+    }
+
+    fn subtract_loads(
+        &self,
+        loads: &[NodalLoad<R, D>],
+        time: R,
+        factor: R,
+        u: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        for load in loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
+        }
+        Ok(())
+    }
+
     /// Calls `give` for every entry of the mass matrix over nodal vectors.
     pub(super) fn each_mass(&self, mut give: impl FnMut(usize, usize, R)) {
         let Some(mass) = &self.mass else { return };
@@ -417,7 +457,18 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
         }
         writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
         writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
-        writeln!(f, "  nodal loads: {}", self.loads.len())?;
+        write!(f, "  nodal loads: {}", self.loads.len())?;
+        match self.permanent {
+            Permanent {
+                loads: 0,
+                weight: false,
+            } => writeln!(f)?,
+            Permanent {
+                loads,
+                weight: false,
+            } => writeln!(f, ", permanent: {loads}")?,
+            Permanent { loads, .. } => writeln!(f, ", permanent: gravity and {loads}")?,
+        }
         if !self.connectors.is_empty() {
             writeln!(f, "  connectors: {}", self.connectors.len())?;
         }
@@ -497,12 +548,25 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        if let Some(weight) = &self.weight {
-            for (q, w) in q.iter_mut().zip(weight) {
-                *q += factor * *w;
-            }
-        }
+        self.add_weight(factor, q);
         self.add_applied(time, factor, u, q)
+    }
+
+    fn add_permanent(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        if self.permanent.weight {
+            self.add_weight(factor, q);
+        }
+        self.add_loads(&self.loads[..self.permanent.loads], time, factor, u, q)
+    }
+
+    fn subtract_permanent_tangent(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        self.subtract_loads(&self.loads[..self.permanent.loads], time, factor, u, k)
     }
 
     fn is_driven(&self) -> bool {
@@ -514,11 +578,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        for load in &self.loads {
-            let amplitude = factor * load.amplitude(time)?;
-            load.add(amplitude, |i| self.reference[i] + u[i], q);
-        }
-        Ok(())
+        self.add_loads(&self.loads, time, factor, u, q)
     }
 
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
@@ -528,11 +588,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for link in &self.connectors {
             link.tangent(u, k)?;
         }
-        for load in &self.loads {
-            let amplitude = factor * load.amplitude(time)?;
-            load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
-        }
-        Ok(())
+        self.subtract_loads(&self.loads, time, factor, u, k)
     }
 
     fn secant(&self) -> Secant {
@@ -591,6 +647,10 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
             "{component} of {what} of node {} of beam {index}",
             vector / per_node
         )
+    }
+
+    fn moves_rigidly(&self, u: &[R]) -> Option<bool> {
+        self.moves_rigidly(u)
     }
 
     /// The material triad of every fully parameterised node must keep its orientation.

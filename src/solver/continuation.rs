@@ -2,7 +2,7 @@
 //! steps that adapt and never lose the last equilibrium, and exact landing on targets.
 
 use super::critical::Critical;
-use super::newton::{Changes, Equations, Solved, Stability, Workspace};
+use super::newton::{Changes, Equations, Rest, Solved, Stability, Workspace};
 use super::path::{Control, Path, PathPoint, PathReport, Target, check_coordinate};
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result, finite};
@@ -33,7 +33,8 @@ pub struct Continuation<'a, R: Real, S> {
 }
 
 impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
-    /// Starts at the equilibrium near `state` under `factor` of the external load. Motions given in
+    /// Starts at the equilibrium near `state` under `factor` of the external load, and all of those
+    /// that are [permanent](crate::scene::Scene::hold_loads). Motions given in
     /// time stay as they are at the state's time.
     ///
     /// # Errors
@@ -249,7 +250,10 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 self.look()?;
                 Ok(true)
             }
-            Ok(_) | Err(Error::Unconverged { .. } | Error::Mechanism { .. }) => {
+            Ok(_)
+            | Err(
+                Error::Unconverged { .. } | Error::Mechanism { .. } | Error::StiffnessLost { .. },
+            ) => {
                 // The point before the last is mirrored, so that the direction stays.
                 if let Some((before, from)) = &mut self.before {
                     let two = R::lit(2.0);
@@ -290,7 +294,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         Equations {
             time: self.state.time,
             factor,
-            initial: None,
+            rest: Rest::Permanent,
             inertia: None,
         }
     }

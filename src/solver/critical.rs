@@ -7,7 +7,7 @@
 use super::band::Factor;
 use super::continuation::{Continuation, mean};
 use super::newton::{Changes, Stability, norm};
-use super::{State, Structure};
+use super::{State, Structure, add_growing};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 
@@ -253,8 +253,7 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
     fn kind(&self, state: &State<R>, shape: &[R]) -> Result<Criticality> {
         let (unknowns, measure) = (self.structure.unknowns(), self.structure.measure());
         let mut load = vec![R::zero(); state.displacement.len()];
-        self.structure
-            .add_external(state.time, R::one(), &state.displacement, &mut load)?;
+        add_growing(self.structure, state.time, &state.displacement, &mut load)?;
         unknowns.reduce(&mut load);
         let [mut work, mut force, mut size] = [R::zero(); 3];
         for (x, &i) in shape.iter().zip(unknowns.free()) {

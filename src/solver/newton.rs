@@ -8,7 +8,7 @@ mod search;
 
 use super::band::Factor;
 use super::matrix::Matrix;
-use super::structure::held;
+use super::structure::{add_growing, held};
 use super::unknowns::Unknowns;
 use super::{State, Structure, Tape};
 use crate::error::{Error, Result};
@@ -135,12 +135,22 @@ pub(crate) struct Equations<'a, R> {
     pub(crate) time: R,
     /// Share of the external forces.
     pub(crate) factor: R,
-    /// Forces that balance the rest, `1 - factor`: the internal forces of the state that a load
-    /// step starts from.
-    pub(crate) initial: Option<&'a [R]>,
+    /// What acts in place of the rest, `1 - factor`.
+    pub(crate) rest: Rest<'a, R>,
     /// Acceleration `predicted + rate * (u - guess)`; none in statics. Formed from corrections
     /// and not from displacements, it keeps its digits at any step size.
     pub(crate) inertia: Option<(R, &'a [R])>,
+}
+
+/// What acts in place of the external forces' share that does not.
+#[derive(Clone, Copy)]
+pub(crate) enum Rest<'a, R> {
+    /// Nothing.
+    Nothing,
+    /// The same share of the permanent ones among them.
+    Permanent,
+    /// The same share of the internal forces of the state that a load step starts from.
+    Start(&'a [R]),
 }
 
 /// What the load factor is chosen by when it is an unknown itself: changes of all coordinates.
@@ -316,7 +326,7 @@ impl<R: Real> Workspace<R> {
                     odd: self.factor.odd().map(|odd| odd != (held % 2 == 1)),
                 })
             }
-            Err(Error::Mechanism { .. }) => Ok(Stability::default()),
+            Err(Error::Mechanism { .. } | Error::StiffnessLost { .. }) => Ok(Stability::default()),
             Err(error) => Err(error),
         }
     }
@@ -326,7 +336,7 @@ impl<R: Real> Workspace<R> {
         &self.moved
     }
 
-    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u) + (1 - factor) initial` from the guess in `u`,
+    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u) + (1 - factor) rest` from the guess in `u`,
     /// by at least one correction: a small residual alone may hide a light beam beside a heavy
     /// one, and derivatives that a dual number carries.
     pub(crate) fn solve<S: Structure<R> + ?Sized>(
@@ -552,10 +562,16 @@ impl<R: Real> Workspace<R> {
         structure.add_internal(u, &mut self.internal);
         structure.add_holding(equations.time, u, &mut self.internal);
         structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
-        if let Some(initial) = equations.initial {
-            let rest = R::one() - equations.factor;
-            for (q, initial) in self.external.iter_mut().zip(initial) {
-                *q += rest * *initial;
+        let rest = R::one() - equations.factor;
+        match equations.rest {
+            Rest::Nothing => {}
+            Rest::Permanent => {
+                structure.add_permanent(equations.time, rest, u, &mut self.external)?;
+            }
+            Rest::Start(internal) => {
+                for (q, internal) in self.external.iter_mut().zip(internal) {
+                    *q += rest * *internal;
+                }
             }
         }
         match equations.inertia {
@@ -636,6 +652,9 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         let (time, k) = (equations.time, &mut self.tangent);
         structure.add_tangent(time, equations.factor, u, k)?;
+        if let Rest::Permanent = equations.rest {
+            structure.subtract_permanent_tangent(time, R::one() - equations.factor, u, k)?;
+        }
         structure.add_holding_tangent(time, u, k)
     }
 
@@ -654,7 +673,15 @@ impl<R: Real> Workspace<R> {
         }
         let factored = self.factor.factor(self.tangent.stored());
         self.factored = factored.is_ok();
-        factored.map_err(|error| singular(structure, error))
+        factored.map_err(|error| match singular(structure, error) {
+            // Without inertia what moves freely is seen by geometry alone.
+            Error::Mechanism { coordinate, pivot }
+                if equations.inertia.is_none() && structure.moves_rigidly(u) == Some(false) =>
+            {
+                Error::StiffnessLost { coordinate, pivot }
+            }
+            other => other,
+        })
     }
 
     /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:
@@ -737,7 +764,7 @@ impl<R: Real> Workspace<R> {
         self.fixed.clear();
         self.fixed.extend_from_slice(&self.scratch);
         self.scratch.fill(R::zero());
-        structure.add_external(equations.time, R::one(), u, &mut self.scratch)?;
+        add_growing(structure, equations.time, u, &mut self.scratch)?;
         structure.unknowns().reduce(&mut self.scratch);
         self.solve_linear(structure.unknowns())?;
         let change = choice(&Changes {

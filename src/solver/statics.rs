@@ -3,7 +3,7 @@
 //! at rest this is a growing load; from any other it is the way from what the state carries to the
 //! load asked for.
 
-use super::newton::{Equations, Newton, Stability, Workspace};
+use super::newton::{Equations, Newton, Rest, Stability, Workspace};
 use super::unknowns::Unknowns;
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result};
@@ -79,7 +79,7 @@ impl Statics {
     /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load) or
     /// with [`Error::StabilityChanged`] when that is [refused](Self::hold_stability);
     /// [`Error::NoDigits`] when rounding leaves not one digit of the displacements;
-    /// [`Error::Mechanism`] for too few supports;
+    /// [`Error::Mechanism`] for too few supports, [`Error::StiffnessLost`] for enough of them;
     /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
     pub fn solve<R: Real, S: Structure<R>>(
         &self,
@@ -114,7 +114,7 @@ impl Statics {
             let start = Equations {
                 time: state.time,
                 factor: R::zero(),
-                initial: Some(&initial),
+                rest: Rest::Start(&initial),
                 inertia: None,
             };
             stability = workspace.stability(structure, &start, &u)?;
@@ -136,7 +136,7 @@ impl Statics {
             let equations = Equations {
                 time: state.time,
                 factor,
-                initial: Some(&initial),
+                rest: Rest::Start(&initial),
                 inertia: None,
             };
             let last = factor >= R::one();
@@ -179,9 +179,11 @@ impl Statics {
                     return Err(error);
                 }
                 // Before any load has acted no smaller step can help.
-                Err(error @ (Error::Mechanism { .. } | Error::Redundant { .. }))
-                    if report.steps == 0 =>
-                {
+                Err(
+                    error @ (Error::Mechanism { .. }
+                    | Error::StiffnessLost { .. }
+                    | Error::Redundant { .. }),
+                ) if report.steps == 0 => {
                     return Err(error);
                 }
                 Err(error) => {

@@ -2,4 +2,6 @@
 //! of few kernels.
 
 mod follower;
+mod loose;
+mod permanent;
 mod search;
