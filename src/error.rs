@@ -149,10 +149,11 @@ pub enum Error {
     },
     /// An equilibrium is stable in other directions than the one before it.
     #[error(
-        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow the path with Path"
+        "the equilibrium found is unstable in {now} directions, the one before in {before}: between lies a limit or bifurcation point, or this is another branch; follow it with Continuation"
     )]
     StabilityChanged {
-        /// Negative eigenvalues of the tangent before the step.
+        /// Negative eigenvalues of the tangent before the step; under follower loads 0 for an even and
+        /// 1 for an odd number.
         before: usize,
         /// Negative eigenvalues after it.
         now: usize,
@@ -176,6 +177,17 @@ pub enum Error {
     )]
     Mechanism {
         /// The first coordinate found to be free, in words.
+        coordinate: String,
+        /// The vanishing pivot.
+        pivot: f64,
+    },
+    /// The tangent is singular to the digits of its numbers though supports and joints hold the
+    /// structure: its softest stiffness is lost beside the largest, or the state is critical.
+    #[error(
+        "supports and joints hold every rigid motion, but the stiffness of {coordinate} (pivot {pivot:.1e}) is lost in the rounding of the numbers: the structure is so slender, uneven or light that its softest part drowns beside its stiffest, then take a number type of more digits, stockier or fewer elements; or the load is just critical, then follow the path with Continuation"
+    )]
+    StiffnessLost {
+        /// The first coordinate whose stiffness is lost, in words.
         coordinate: String,
         /// The vanishing pivot.
         pivot: f64,

@@ -131,8 +131,16 @@ proptest! {
             }
         }
         let b = vector(size, random);
-        let (x, _) = solved(&matrix, true, &b);
+        let (x, mut factor) = solved(&matrix, true, &b);
         prop_assert!(residual_in_units(&matrix, &x, b.as_slice()) < 20.0);
+        // The same factors know the transposed matrix and the sign of the determinant.
+        let mut y: Vec<f64> = b.iter().copied().collect();
+        factor.solve_transposed(&mut y).unwrap();
+        let transposed = dense(&matrix).transpose();
+        let y = DVector::from_vec(y);
+        let rounding = f64::EPSILON * (transposed.norm() * y.norm() + b.norm());
+        prop_assert!((&transposed * &y - &b).norm() < 20.0 * rounding);
+        prop_assert_eq!(factor.odd(), Some(transposed.determinant() < 0.0));
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod lanes;
 mod modes;
 mod moments;
 mod newton;
+mod oscillators;
 mod paper_problems;
 mod paths;
 mod precision;

@@ -54,12 +54,12 @@ fn slender_beams_keep_the_digits_their_report_leaves() {
 }
 
 /// Whose bending stiffness is lost in the rounding of its axial stiffness is not told to look for
-/// supports alone.
+/// supports.
 #[test]
 fn what_a_number_type_cannot_tell_is_refused() {
     for parts in [&[(8, 1.0)][..], &[(8, 1.0), (8, 1e6)]] {
-        let refused = error::<f32>(&slender(1e-5, parts)).unwrap_err().to_string();
-        assert!(refused.contains("number type of more digits"), "{refused}");
+        let refused = error::<f32>(&slender(1e-5, parts)).unwrap_err();
+        assert!(matches!(refused, Error::StiffnessLost { .. }), "{refused}");
     }
     // Every pivot of this chain is well above rounding, and yet nothing is left of the answer.
     let long = slender(0.1, &[(10_000, 1.0)]);

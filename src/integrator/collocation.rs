@@ -10,7 +10,9 @@ use std::cell::RefCell;
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Matrix, Newton, Rate, Solved, State, Structure, Tape, Workspace};
+use crate::solver::{
+    Equations, Matrix, Newton, Rate, Rest, Solved, State, Structure, Tape, Workspace,
+};
 use stages::{Layout, Scratch, Stages};
 use tableau::{Points, Tableau, weighted};
 
@@ -227,7 +229,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         let equations = Equations {
             time: now.time,
             factor: R::one(),
-            initial: None,
+            rest: Rest::Nothing,
             inertia: Some((rate, &self.predicted)),
         };
         let stages = Stages {

@@ -258,7 +258,10 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
     /// says how it ended. After the event the run stands just behind the crossing, at a state that the
     /// method has stepped to, and can go on from there.
     ///
-    /// A function that crosses zero twice within one step is not seen to cross.
+    /// A function that crosses zero twice within one step is not seen to cross; of three crossings
+    /// one is found, not always the first. Steps should be short beside the time between crossings.
+    /// A step that fails on the way to the crossing is treated as one that fails by itself: halved or
+    /// shortened where the stepping does so.
     ///
     /// ```
     /// use ancf::prelude::*;
@@ -332,7 +335,9 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
         let mut pace = Pace::from(self.progress.pace, self.state.time, step, self.end);
         while let Some(part) = pace.next(self.state.time, self.end) {
             self.told(part)?;
-            if let Err(cause) = self.attempt(part) {
+            let tried = self.attempt(part);
+            let met = self.met(&tried, watch)?;
+            if let Err(cause) = tried.and_then(|()| self.narrow(part, met, watch)) {
                 let vain = matches!(cause, Error::LoadNotFinite { .. });
                 let Some(half) = (!vain).then(|| pace.halve(halvings)).flatten() else {
                     return Err(self.failed(part, cause));
@@ -340,7 +345,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
                 self.refuse(part, &cause, Some(half));
                 continue;
             }
-            let taken = self.take(part, Some(pace.end()), watch, observe);
+            let taken = self.take(Some(pace.end()), met.is_some(), observe);
             pace.advance();
             self.progress.pace = Some(pace);
             if let Some(ending) = taken? {
@@ -364,29 +369,44 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
         })
     }
 
+    /// How far from the event the ends of a step are, if it was taken and meets it.
+    fn met<T, E>(
+        &self,
+        tried: &std::result::Result<T, E>,
+        watch: &mut impl Watch<R>,
+    ) -> Result<Option<[R; 2]>> {
+        match tried {
+            Ok(_) => watch.meets(&self.state, &self.next),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Shortens the step just tried to the part up to the event that it met, if it did.
+    fn narrow(&mut self, step: R, met: Option<[R; 2]>, watch: &mut impl Watch<R>) -> Result<()> {
+        let Some(distances) = met else { return Ok(()) };
+        let least = self.next.time.abs() * R::lit(TICKS * R::EPSILON);
+        locate([R::zero(), step], distances, least, |part| {
+            self.attempt(part)?;
+            Ok(watch.distance(&self.next))
+        })
+        .map(|_| ())
+    }
+
     /// Takes the step just tried, which ends at `time` if that is known better than by summing, or
-    /// the part of it up to an event, and says whether the run ends with it.
+    /// at an event, and says whether the run ends with it.
     fn take<O: Observation>(
         &mut self,
-        step: R,
         time: Option<R>,
-        watch: &mut impl Watch<R>,
+        event: bool,
         observe: &mut impl FnMut(Step<'_, R>) -> O,
     ) -> Result<Option<Ending>> {
-        let met = watch.meets(&self.state, &self.next)?;
-        if let Some(distances) = met {
-            let least = self.next.time.abs() * R::lit(TICKS * R::EPSILON);
-            locate([R::zero(), step], distances, least, |part| {
-                self.sure(part)?;
-                Ok(watch.distance(&self.next))
-            })?;
-        } else if let Some(time) = time {
+        if let (Some(time), false) = (time, event) {
             self.next.time = time;
         }
         self.accept();
         let flow = observe(self.last()).flow()?;
         let stopped = flow.is_break().then_some(Ending::Stopped);
-        Ok(met.map(|_| Ending::Event).or(stopped))
+        Ok(event.then_some(Ending::Event).or(stopped))
     }
 
     fn stable<O: Observation>(
@@ -406,7 +426,10 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
             let step = even(left, share * limit);
             self.sure(step)?;
             let time = (step == left).then_some(self.end);
-            if let Some(ending) = self.take(step, time, watch, observe)? {
+            let met = watch.meets(&self.state, &self.next)?;
+            let narrowed = self.narrow(step, met, watch);
+            narrowed.map_err(|cause| self.failed(step, cause))?;
+            if let Some(ending) = self.take(time, met.is_some(), observe)? {
                 return Ok(ending);
             }
         }
@@ -444,7 +467,12 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
                 Err(error @ Error::LoadNotFinite { .. }) => return Err(self.failed(trial, error)),
                 Err(error) => Err((0.25, error)),
             };
-            match judged {
+            let met = self.met(&judged, watch)?;
+            let narrowed = judged.and_then(|factor| match self.narrow(trial, met, watch) {
+                Ok(()) => Ok(factor),
+                Err(error) => Err((0.25, error)),
+            });
+            match narrowed {
                 Ok(factor) => {
                     let asked = trial * R::lit(factor);
                     // A step cut short by the end says nothing against the longer one proposed.
@@ -452,7 +480,7 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
                     let next = if cut { step.larger(asked) } else { asked };
                     // Before the step is taken: it may be the last of this call.
                     self.progress.proposed = Some(next);
-                    if let Some(ending) = self.take(trial, None, watch, observe)? {
+                    if let Some(ending) = self.take(None, met.is_some(), observe)? {
                         return Ok(ending);
                     }
                 }

@@ -20,7 +20,7 @@ use super::{Method, Scheme, end_by_mean, impose_mean, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{
-    Equations, Matrix, Newton, Rate, Refresh, Sample, Secant, Solved, State, Structure, Tape,
+    Equations, Matrix, Newton, Rate, Refresh, Rest, Sample, Secant, Solved, State, Structure, Tape,
     Unknowns, Workspace,
 };
 
@@ -303,7 +303,7 @@ impl<R: Real> EnergyMomentumMethod<R> {
         let equations = Equations {
             time: now.time + half,
             factor: R::one(),
-            initial: None,
+            rest: Rest::Nothing,
             inertia: Some((R::one() / (half * step), &self.guess)),
         };
         let u = &mut next.displacement;

@@ -7,7 +7,9 @@ use super::held::{Held, Middle};
 use super::{Method, Scheme, end_by_mean, impose_mean, mean_squares, prepare};
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Tape, Workspace};
+use crate::solver::{
+    Equations, Newton, Rate, Rest, Sample, Solved, State, Structure, Tape, Workspace,
+};
 
 /// The implicit midpoint rule: `M (v_{n+1} - v_n) / dt = Q(t + dt/2, (u_n + u_{n+1}) / 2)`,
 /// `u_{n+1} - u_n = dt (v_n + v_{n+1}) / 2`. Second order, no dissipation. The
@@ -152,7 +154,7 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
         let equations = Equations {
             time: halfway,
             factor: R::one(),
-            initial: None,
+            rest: Rest::Nothing,
             inertia: Some((rate, &self.mean)),
         };
         let solved = self

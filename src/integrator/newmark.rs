@@ -6,7 +6,9 @@
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
-use crate::solver::{Equations, Newton, Rate, Sample, Solved, State, Structure, Tape, Workspace};
+use crate::solver::{
+    Equations, Newton, Rate, Rest, Sample, Solved, State, Structure, Tape, Workspace,
+};
 
 /// How the local error of a Newmark step is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -212,7 +214,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let equations = Equations {
             time: next.time,
             factor: R::one(),
-            initial: None,
+            rest: Rest::Nothing,
             inertia: Some((inertia, &self.predicted)),
         };
         let u = &mut next.displacement;

@@ -112,7 +112,16 @@ pub struct Scene<R: Real, const D: usize> {
     /// Point masses by the index of the nodal vector.
     masses: Vec<(usize, R)>,
     gravity: Option<[R; D]>,
+    permanent: Permanent,
     size: usize,
+}
+
+/// Which loads stay when a load factor scales the others.
+#[derive(Debug, Clone, Copy, Default)]
+struct Permanent {
+    /// The first of the nodal loads.
+    loads: usize,
+    weight: bool,
 }
 
 impl<R: Real, const D: usize> Default for Scene<R, D> {
@@ -135,6 +144,7 @@ impl<R: Real, const D: usize> Scene<R, D> {
             constraints: Vec::new(),
             masses: Vec::new(),
             gravity: None,
+            permanent: Permanent::default(),
             size: 0,
         }
     }
@@ -337,7 +347,37 @@ impl<R: Real, const D: usize> Scene<R, D> {
             finite("acceleration of gravity [m/s^2]", component)?;
         }
         self.gravity = Some(g);
+        self.permanent.weight = false;
         Ok(())
+    }
+
+    /// Makes the loads stated so far, gravity among them, permanent: along a path of equilibria
+    /// ([`Continuation`](crate::solver::Continuation)) and in linear buckling they act in full, and
+    /// the load factor is that of the loads stated after. Statics and dynamics bring all loads.
+    ///
+    /// ```
+    /// use ancf::prelude::*;
+    ///
+    /// // How much can a column carry on its top besides its own weight?
+    /// let mut scene = Scene::<f64, 2>::new();
+    /// let column = EulerBernoulli::with_stiffness(1e6, 1.0)?;
+    /// let column = Beam::new(Cable, Moments::new(1.0, 1.0, 1.0)?, column);
+    /// let column = scene.add(column.straight([0.0; 2], [0.0, 1.0], 16).density(1.0))?;
+    /// scene.clamp(column.start())?;
+    /// scene.gravity([0.0, -4.0])?;
+    /// scene.hold_loads();
+    /// scene.force(column.end(), [0.0, -1.0])?;
+    /// let system = scene.assemble()?;
+    /// let path = Continuation::start(&system, system.rest(), 0.0, &Path::default())?;
+    /// let buckling = Modes::lowest(1).buckling(&system, path.state(), 0.0)?;
+    /// assert!((buckling[0].value - 1.24).abs() < 0.01);
+    /// # Ok::<(), ancf::Error>(())
+    /// ```
+    pub fn hold_loads(&mut self) {
+        self.permanent = Permanent {
+            loads: self.loads.len(),
+            weight: self.gravity.is_some(),
+        };
     }
 
     /// A constant dead force (N) on a node.

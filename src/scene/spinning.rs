@@ -120,6 +120,20 @@ impl<R: Real, const D: usize> Structure<R> for Spinning<'_, R, D> {
         Ok(())
     }
 
+    fn add_permanent(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        self.system.add_permanent(time, factor, u, q)
+    }
+
+    fn subtract_permanent_tangent(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        self.system.subtract_permanent_tangent(time, factor, u, k)
+    }
+
     fn has_applied(&self) -> bool {
         self.system.has_applied()
     }
@@ -150,6 +164,10 @@ impl<R: Real, const D: usize> Structure<R> for Spinning<'_, R, D> {
 
     fn name(&self, i: usize) -> String {
         self.system.name(i)
+    }
+
+    fn moves_rigidly(&self, u: &[R]) -> Option<bool> {
+        Structure::moves_rigidly(self.system, u)
     }
 
     fn check(&self, u: &[R]) -> Result<()> {

@@ -1,6 +1,8 @@
 //! The assembled system: coordinates, constant mass, loads and the bodies' elastic forces, as the
 //! solvers see them through [`Structure`].
 
+mod equations;
+mod loose;
 mod saddle;
 
 pub use saddle::Drift;
@@ -12,12 +14,12 @@ use super::chain::Body;
 use super::joint::Course;
 use super::load::NodalLoad;
 use super::tie::{Connecting, Holding};
-use super::{Node, Scene, coordinates, locate};
+use super::{Node, Permanent, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
 use crate::scalar::{Loops, Real};
 use crate::solver::band::{BandMatrix, Profile};
-use crate::solver::{Condition, Matrix, Rate, Secant, State, Structure, Unknowns, Workspace, held};
+use crate::solver::{Condition, Rate, State, Structure, Unknowns, Workspace, held};
 use crate::tensor::{add_scaled, cross, sum};
 
 /// Energy balance of a state (J).
@@ -61,6 +63,7 @@ pub struct System<R: Real, const D: usize> {
     scene: u64,
     bodies: Vec<Body<R, D>>,
     loads: Vec<NodalLoad<R, D>>,
+    permanent: Permanent,
     connectors: Vec<Box<dyn Connecting<R>>>,
     constraints: Vec<Box<dyn Holding<R>>>,
     /// Factor by which the mass is scaled beside the constraints.
@@ -87,6 +90,7 @@ impl<R: Real, const D: usize> System<R, D> {
             mut constraints,
             masses,
             gravity,
+            permanent,
             size,
         } = scene;
         if bodies.is_empty() {
@@ -169,6 +173,7 @@ impl<R: Real, const D: usize> System<R, D> {
             scene: id,
             bodies,
             loads,
+            permanent,
             connectors,
             constraints,
             mass_factor: R::one(),
@@ -417,7 +422,18 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
         }
         writeln!(f, "  mass matrix: {}", on(self.mass.is_some()))?;
         writeln!(f, "  gravity: {}", on(self.weight.is_some()))?;
-        writeln!(f, "  nodal loads: {}", self.loads.len())?;
+        write!(f, "  nodal loads: {}", self.loads.len())?;
+        match self.permanent {
+            Permanent {
+                loads: 0,
+                weight: false,
+            } => writeln!(f)?,
+            Permanent {
+                loads,
+                weight: false,
+            } => writeln!(f, ", permanent: {loads}")?,
+            Permanent { loads, .. } => writeln!(f, ", permanent: gravity and {loads}")?,
+        }
         if !self.connectors.is_empty() {
             writeln!(f, "  connectors: {}", self.connectors.len())?;
         }
@@ -430,220 +446,5 @@ impl<R: Real, const D: usize> fmt::Display for System<R, D> {
             }
         }
         write!(f, "  symmetric tangent: {}", on(self.symmetric()))
-    }
-}
-
-impl<R: Real, const D: usize> Structure<R> for System<R, D> {
-    fn unknowns(&self) -> &Unknowns<R> {
-        &self.unknowns
-    }
-
-    fn symmetric(&self) -> bool {
-        self.loads.iter().all(NodalLoad::symmetric)
-    }
-
-    fn impose(&self, time: R, rate: Rate, x: &mut [R]) -> Result<()> {
-        self.unknowns.impose(x, |k| self.courses[k].at(time, rate))
-    }
-
-    fn multipliers(&self) -> Range<usize> {
-        let count: usize = self.constraints.iter().map(|c| c.count()).sum();
-        self.reference.len() - count..self.reference.len()
-    }
-
-    fn add_holding(&self, time: R, u: &[R], q: &mut [R]) {
-        for constraint in &self.constraints {
-            constraint.force(time, u, q);
-        }
-    }
-
-    fn add_holding_tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        let mut constraints = self.constraints.iter();
-        constraints.try_for_each(|constraint| constraint.tangent(time, u, k))
-    }
-
-    fn violation(&self, time: R, motion: &[&[R]], out: &mut [R]) {
-        for constraint in &self.constraints {
-            constraint.violation(time, motion, &mut |i, value, scale| out[i] = scale * value);
-        }
-    }
-
-    fn gradient(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, usize, R)) {
-        for constraint in &self.constraints {
-            constraint.gradient(time, motion, tell);
-        }
-    }
-
-    fn add_curvature(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        let mut constraints = self.constraints.iter();
-        constraints.try_for_each(|constraint| constraint.curvature(time, factor, u, k))
-    }
-
-    fn mass_factor(&self) -> R {
-        self.mass_factor
-    }
-
-    fn measure(&self) -> &[R] {
-        &self.measure
-    }
-
-    fn add_internal(&self, u: &[R], q: &mut [R]) {
-        for body in &self.bodies {
-            body.elastic().force(u, q);
-        }
-        for link in &self.connectors {
-            link.force(u, q);
-        }
-    }
-
-    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        if let Some(weight) = &self.weight {
-            for (q, w) in q.iter_mut().zip(weight) {
-                *q += factor * *w;
-            }
-        }
-        self.add_applied(time, factor, u, q)
-    }
-
-    fn is_driven(&self) -> bool {
-        !self.courses.is_empty() || self.constraints.iter().any(|c| c.moves())
-    }
-
-    fn has_applied(&self) -> bool {
-        !self.loads.is_empty()
-    }
-
-    fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
-        for load in &self.loads {
-            let amplitude = factor * load.amplitude(time)?;
-            load.add(amplitude, |i| self.reference[i] + u[i], q);
-        }
-        Ok(())
-    }
-
-    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        for body in &self.bodies {
-            body.elastic().tangent(u, k)?;
-        }
-        for link in &self.connectors {
-            link.tangent(u, k)?;
-        }
-        for load in &self.loads {
-            let amplitude = factor * load.amplitude(time)?;
-            load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
-        }
-        Ok(())
-    }
-
-    fn secant(&self) -> Secant {
-        let strained = self.bodies.iter().all(|b| b.elastic().has_strain());
-        match strained && self.connectors.is_empty() {
-            true => Secant::Strain,
-            false => Secant::Path,
-        }
-    }
-
-    fn add_secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
-        for body in &self.bodies {
-            body.elastic().secant(viscosity, from, to, q);
-        }
-        for link in &self.connectors {
-            link.secant(from, to, q);
-        }
-    }
-
-    fn add_secant_tangent(
-        &self,
-        (time, factor): (R, R),
-        viscosity: R,
-        from: &[R],
-        to: &[R],
-        k: &mut Matrix<R>,
-    ) -> Result<()> {
-        for body in &self.bodies {
-            body.elastic().secant_tangent(viscosity, from, to, k)?;
-        }
-        for link in &self.connectors {
-            link.secant_tangent(from, to, k)?;
-        }
-        let half = R::lit(0.5);
-        for load in &self.loads {
-            let amplitude = half * factor * load.amplitude(time)?;
-            let e = |i| self.reference[i] + half * (from[i] + to[i]);
-            load.subtract_tangent(amplitude, e, k)?;
-        }
-        Ok(())
-    }
-
-    fn name(&self, i: usize) -> String {
-        let inside = |(_, body): &(usize, &Body<R, D>)| body.range().contains(&i);
-        let Some((index, body)) = self.bodies.iter().enumerate().find(inside) else {
-            return self.name_constraint(i);
-        };
-        let vector = (i - body.range().start) / D;
-        let per_node = body.vectors().len();
-        let what = match body.vectors()[vector % per_node] {
-            NodalVector::Position => "the position".to_string(),
-            NodalVector::Slope(a) => format!("slope {a}"),
-        };
-        let component = ["x", "y", "z"][(i % D).min(2)];
-        format!(
-            "{component} of {what} of node {} of beam {index}",
-            vector / per_node
-        )
-    }
-
-    /// The material triad of every fully parameterised node must keep its orientation.
-    fn check(&self, u: &[R]) -> Result<()> {
-        for (index, body) in self.bodies.iter().enumerate() {
-            if let Some((node, ratio)) = body.inverted(&self.reference, u) {
-                return Err(Error::Inverted {
-                    body: index,
-                    node,
-                    ratio: ratio.value(),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn has_mass(&self) -> bool {
-        self.mass.is_some()
-    }
-
-    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
-        let Some(mass) = &self.mass else { return };
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for i in 0..mass.size() {
-                    let (first, row) = mass.row(i);
-                    for (j, m) in (first..).zip(row) {
-                        let m = factor * *m;
-                        for c in 0..D {
-                            out[i * D + c] += m * a[j * D + c];
-                        }
-                        if i != j {
-                            for c in 0..D {
-                                out[j * D + c] += m * a[i * D + c];
-                            }
-                        }
-                    }
-                }
-            },
-        ));
-    }
-
-    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
-        let Some(mass) = &self.mass else {
-            return Ok(());
-        };
-        for i in 0..mass.size() {
-            let (first, row) = mass.row(i);
-            for (j, m) in (first..).zip(row) {
-                k.add_alike(i * D, j * D, D, factor * *m)?;
-            }
-        }
-        Ok(())
     }
 }

@@ -178,6 +178,22 @@ impl<R: Real> Factor<R> {
         Ok(())
     }
 
+    /// Replaces the right-hand side `x` by the solution of the transposed system, which for a
+    /// symmetric matrix is that of the system itself. Allocates nothing.
+    ///
+    /// # Errors
+    /// Those of [`solve`](Self::solve).
+    pub fn solve_transposed(&mut self, x: &mut [R]) -> Result<()> {
+        match (self.held, &self.lu) {
+            (Held::Lu, Some(lu)) => {
+                Error::check_length("right-hand side", x.len(), self.profile.size())?;
+                lu.solve_transposed(&self.profile, x);
+                Ok(())
+            }
+            _ => self.solve(x),
+        }
+    }
+
     /// The factors of the last matrix, if there are any, to a tape or from it.
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
         const ALL: [Held; 4] = [Held::Nothing, Held::Ldlt, Held::Sparse, Held::Lu];
@@ -212,6 +228,16 @@ impl<R: Real> Factor<R> {
             Held::Ldlt => self.ldlt.as_ref().map(Ldlt::negative),
             Held::Sparse => self.sparse.as_ref().map(SparseLdlt::negative),
             Held::Lu | Held::Nothing => None,
+        }
+    }
+
+    /// Whether the determinant of the last matrix is negative, so that an odd number of its real
+    /// eigenvalues is; `None` without factors. LU, too, tells so much.
+    #[must_use]
+    pub fn odd(&self) -> Option<bool> {
+        match self.held {
+            Held::Lu => self.lu.as_ref().map(Lu::negative),
+            _ => self.inertia().map(|negative| negative % 2 == 1),
         }
     }
 }

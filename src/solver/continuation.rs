@@ -2,7 +2,7 @@
 //! steps that adapt and never lose the last equilibrium, and exact landing on targets.
 
 use super::critical::Critical;
-use super::newton::{Changes, Equations, Solved, Workspace};
+use super::newton::{Changes, Equations, Rest, Solved, Stability, Workspace};
 use super::path::{Control, Path, PathPoint, PathReport, Target, check_coordinate};
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result, finite};
@@ -16,9 +16,9 @@ pub struct Continuation<'a, R: Real, S> {
     pub(super) workspace: Workspace<R>,
     pub(super) state: State<R>,
     pub(super) factor: R,
-    pub(super) unstable: Option<usize>,
+    pub(super) stability: Stability,
     /// The same of the point before.
-    was: Option<usize>,
+    was: Stability,
     /// The point before, once there is one.
     pub(super) before: Option<(Vec<R>, R)>,
     /// Displacements tried.
@@ -33,7 +33,8 @@ pub struct Continuation<'a, R: Real, S> {
 }
 
 impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
-    /// Starts at the equilibrium near `state` under `factor` of the external load. Motions given in
+    /// Starts at the equilibrium near `state` under `factor` of the external load, and all of those
+    /// that are [permanent](crate::scene::Scene::hold_loads). Motions given in
     /// time stay as they are at the state's time.
     ///
     /// # Errors
@@ -53,8 +54,8 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             tangent: vec![R::zero(); size],
             state,
             factor,
-            unstable: None,
-            was: None,
+            stability: Stability::default(),
+            was: Stability::default(),
             before: None,
             step: R::lit(settings.first),
             criticals: Vec::new(),
@@ -87,7 +88,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     /// In how many directions the last equilibrium is unstable; `None` where the factorisation does
     /// not tell (unsymmetric tangents).
     pub fn unstable(&self) -> Option<usize> {
-        self.unstable
+        self.stability.unstable
     }
 
     /// What the path took so far.
@@ -170,14 +171,14 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             let beyond = far * near < R::zero();
             let landed = beyond && self.land(target, far / (far - near))?;
             // What lies between the target and the point left is yet to be passed.
-            if beyond && (!landed || self.unstable == self.was) {
+            if beyond && (!landed || self.stability.differs(self.was).is_none()) {
                 self.criticals.truncate(passed);
             }
             points += 1;
             observe(&PathPoint {
                 state: &self.state,
                 factor: self.factor,
-                unstable: self.unstable,
+                unstable: self.stability.unstable,
             });
             if landed {
                 return Ok(());
@@ -249,7 +250,10 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 self.look()?;
                 Ok(true)
             }
-            Ok(_) | Err(Error::Unconverged { .. } | Error::Mechanism { .. }) => {
+            Ok(_)
+            | Err(
+                Error::Unconverged { .. } | Error::Mechanism { .. } | Error::StiffnessLost { .. },
+            ) => {
                 // The point before the last is mirrored, so that the direction stays.
                 if let Some((before, from)) = &mut self.before {
                     let two = R::lit(2.0);
@@ -281,16 +285,16 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let equations = self.equations(factor);
         let found = self
             .workspace
-            .unstable(self.structure, &equations, &self.u)?;
-        let ends = [self.was, self.unstable];
-        Ok(found.is_none() || ends.iter().any(|end| end.is_none() || *end == found))
+            .stability(self.structure, &equations, &self.u)?;
+        let mut ends = [self.was, self.stability].into_iter();
+        Ok(ends.any(|end| end.differs(found).is_none()))
     }
 
     pub(super) fn equations(&self, factor: R) -> Equations<'static, R> {
         Equations {
             time: self.state.time,
             factor,
-            initial: None,
+            rest: Rest::Permanent,
             inertia: None,
         }
     }
@@ -299,7 +303,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     pub(super) fn look(&mut self) -> Result<()> {
         let equations = self.equations(self.factor);
         let u = &self.state.displacement;
-        self.unstable = self.workspace.unstable(self.structure, &equations, u)?;
+        self.stability = self.workspace.stability(self.structure, &equations, u)?;
         self.workspace.stay();
         Ok(())
     }
@@ -320,20 +324,20 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Makes the displacements tried the last point.
     fn keep(&mut self, factor: R) -> Result<()> {
-        let was = self.unstable;
+        let was = self.stability;
         let equations = self.equations(factor);
         let now = self
             .workspace
-            .unstable(self.structure, &equations, &self.u)?;
-        if let (Some(locate), Some(was), Some(now)) = (self.settings.locate, was, now)
-            && was != now
+            .stability(self.structure, &equations, &self.u)?;
+        if let Some(locate) = self.settings.locate
+            && was.differs(now).is_some()
         {
             self.spare.copy_from_slice(&self.u);
             let found = self.locate(locate, factor, [was, now])?;
             self.criticals.push(found);
             self.u.copy_from_slice(&self.spare);
             self.workspace
-                .unstable(self.structure, &equations, &self.u)?;
+                .stability(self.structure, &equations, &self.u)?;
         }
         self.spare.copy_from_slice(&self.state.displacement);
         self.state.displacement.copy_from_slice(&self.u);
@@ -346,7 +350,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         }
         self.factor = factor;
         self.was = was;
-        self.unstable = now;
+        self.stability = now;
         self.workspace.stay();
         Ok(())
     }

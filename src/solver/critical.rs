@@ -1,9 +1,13 @@
 //! Critical points of a path of equilibria, where its stability changes: located between two
 //! points of the path, told apart as limit and bifurcation points, and left along another branch.
+//! Where loads follow the motion the tangent is unsymmetric, and only the sign of its determinant
+//! tells: what changes it is found all the same, two eigenvalues that cross zero in one step are not,
+//! nor is flutter, in which none does.
 
+use super::band::Factor;
 use super::continuation::{Continuation, mean};
-use super::newton::{Changes, norm};
-use super::{State, Structure};
+use super::newton::{Changes, Stability, norm};
+use super::{State, Structure, add_growing};
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 
@@ -27,8 +31,9 @@ pub struct Critical<R> {
     pub factor: R,
     /// The critical direction, changes of all coordinates; the largest is 1 in natural sizes.
     pub shape: Vec<R>,
-    /// In how many directions the path is unstable before and after the point.
-    pub unstable: [usize; 2],
+    /// In how many directions the path is unstable before and after the point; `None` where the
+    /// factorisation does not tell (unsymmetric tangents).
+    pub unstable: [Option<usize>; 2],
 }
 
 /// Share of the load in the critical direction, in natural sizes, below which a point is one of
@@ -43,7 +48,7 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
     /// `spare`, too, and has `factor` of the load, to a share `accuracy` of the step.
     ///
     /// The eigenvalue nearest zero is driven to zero by the rule of Illinois, inside brackets that
-    /// the count of negative eigenvalues keeps.
+    /// the count of negative eigenvalues keeps, or under follower loads the sign of the determinant.
     ///
     /// # Errors
     /// [`Error::Unconverged`] when the two points are not of one path: brackets close in a jump.
@@ -51,15 +56,17 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
         &mut self,
         accuracy: f64,
         factor: R,
-        unstable: [usize; 2],
+        [start, end]: [Stability; 2],
     ) -> Result<Critical<R>> {
         let whole = self.length(factor);
         let mut shape = self.start_shape();
+        // What the forces must do work along for the load to have an extremum.
+        let mut left = shape.clone();
         // The eigenvalue at the end tried, whose tangent is at hand, and at the start.
         let mut last = self.nearest(&mut shape)?;
         let here = self.equations(self.factor);
         self.workspace
-            .unstable(self.structure, &here, &self.state.displacement)?;
+            .stability(self.structure, &here, &self.state.displacement)?;
         let mut first = self.nearest(&mut shape)?;
         let (mut low, mut high) = (R::zero(), R::one());
         let mut ends = [
@@ -79,12 +86,15 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
             let at = low + (high - low) * share;
             let (_, load) = self.advance(at * whole)?;
             let equations = self.equations(load);
-            let count = self
+            let found = self
                 .workspace
-                .unstable(self.structure, &equations, &self.u)?;
+                .stability(self.structure, &equations, &self.u)?;
             let value = self.nearest(&mut shape)?;
-            let before = match count {
-                Some(count) => count == unstable[0],
+            if !self.structure.symmetric() {
+                self.iterate(&mut left, Factor::solve_transposed)?;
+            }
+            let before = match found.odd {
+                Some(_) => start.differs(found).is_none(),
                 None => value * first > R::zero(),
             };
             nearer = usize::from(!before);
@@ -110,13 +120,16 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
         let (displacement, factor) = ends[nearer].clone();
         let mut state = self.state.clone();
         state.displacement = displacement;
-        let kind = self.kind(&state, &shape)?;
+        let kind = match self.structure.symmetric() {
+            true => self.kind(&state, &shape)?,
+            false => self.kind(&state, &left)?,
+        };
         Ok(Critical {
             kind,
             state,
             factor,
             shape: self.unit(shape),
-            unstable,
+            unstable: [start, end].map(|point| point.unstable),
         })
     }
 
@@ -193,8 +206,17 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
     }
 
     /// The eigenvalue nearest zero of the tangent factorised last, in natural sizes, with its
-    /// vector by unknowns, by inverse iteration; zero if that tangent was singular.
+    /// vector by unknowns; zero if that tangent was singular.
     fn nearest(&mut self, shape: &mut [R]) -> Result<R> {
+        self.iterate(shape, Factor::solve)
+    }
+
+    /// The same by inverse iteration with a way to solve: transposed for the left vector.
+    fn iterate(
+        &mut self,
+        shape: &mut [R],
+        solve: impl Fn(&mut Factor<R>, &mut [R]) -> Result<()>,
+    ) -> Result<R> {
         if !self.workspace.factored() {
             return Ok(R::zero());
         }
@@ -213,7 +235,7 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
                 *y = *x / (measure[*i] * measure[*i]);
             }
             let weighted = next.clone();
-            self.workspace.factor().solve(&mut next)?;
+            solve(self.workspace.factor(), &mut next)?;
             // x.W.x = 1 by now.
             value = weighted
                 .iter()
@@ -226,11 +248,12 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
         Ok(value)
     }
 
+    /// Whether the load does work along the critical direction (the left one of an unsymmetric
+    /// tangent), so that no equilibrium goes on.
     fn kind(&self, state: &State<R>, shape: &[R]) -> Result<Criticality> {
         let (unknowns, measure) = (self.structure.unknowns(), self.structure.measure());
         let mut load = vec![R::zero(); state.displacement.len()];
-        self.structure
-            .add_external(state.time, R::one(), &state.displacement, &mut load)?;
+        add_growing(self.structure, state.time, &state.displacement, &mut load)?;
         unknowns.reduce(&mut load);
         let [mut work, mut force, mut size] = [R::zero(); 3];
         for (x, &i) in shape.iter().zip(unknowns.free()) {

@@ -6,7 +6,7 @@ use super::band::Factor;
 use super::eigen::{Goal, Operator, Pair, dominant};
 use super::matrix::Matrix;
 use super::newton::norm;
-use super::structure::held;
+use super::structure::{add_growing, held};
 use super::{State, Structure};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
@@ -186,7 +186,7 @@ impl Modes {
         };
         // The path's direction, and a step along it that leaves as many digits as truncation does.
         let mut load = vec![R::zero(); unknowns.coordinates()];
-        structure.add_external(state.time, R::one(), &state.displacement, &mut load)?;
+        add_growing(structure, state.time, &state.displacement, &mut load)?;
         unknowns.reduce(&mut load);
         let mut along: Vec<R> = unknowns.free().iter().map(|i| load[*i]).collect();
         inverse.factor.solve(&mut along)?;
@@ -233,6 +233,7 @@ fn tangent<R: Real, S: Structure<R>>(
     let mut matrix = Matrix::zero(structure.unknowns(), true);
     let (time, u) = (state.time, &state.displacement);
     structure.add_tangent(time, factor, u, &mut matrix)?;
+    structure.subtract_permanent_tangent(time, R::one() - factor, u, &mut matrix)?;
     structure.add_holding_tangent(time, u, &mut matrix)?;
     Ok(matrix)
 }

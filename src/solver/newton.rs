@@ -3,145 +3,45 @@
 //! kilometre converge alike, and the residual that rounding leaves is estimated from the tangent,
 //! so that no slender beam is asked for digits its number type does not have.
 
+mod balance;
+mod equations;
 mod project;
+mod search;
+mod settings;
+mod work;
 
 use super::band::Factor;
 use super::matrix::Matrix;
-use super::structure::held;
+use super::structure::{add_growing, held};
 use super::unknowns::Unknowns;
-use super::{State, Structure, Tape};
+use super::{Structure, Tape};
 use crate::error::{Error, Result};
-use crate::scalar::{Loops, Mask, Real};
+use crate::scalar::{Mask, Real};
+use balance::Balance;
+pub(crate) use balance::norm;
+pub(crate) use equations::{Changes, Choice, Equations, Rest};
+pub use settings::{Newton, Refresh, Solved};
+pub(crate) use work::Sample;
 
-/// When the tangent is evaluated and factorised anew.
+/// What is known of an equilibrium's stability.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Refresh {
-    /// In every iteration: full Newton, quadratic convergence.
-    #[default]
-    EveryIteration,
-    /// Once per solve (load or time step).
-    EverySolve,
-    /// When the old one no longer reduces the residual fast enough to pay for its age.
-    WhenSlow,
-    /// Once, at the first solve: how modified Newton fails, for comparison.
-    Never,
+pub(crate) struct Stability {
+    /// Negative eigenvalues of the tangent, where it is symmetric.
+    pub(crate) unstable: Option<usize>,
+    /// Whether its negative eigenvalues are odd in number.
+    pub(crate) odd: Option<bool>,
 }
 
-/// Settings of Newton's method.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Newton {
-    /// Residual accepted, relative to the largest of internal, external and inertia forces.
-    pub residual: f64,
-    /// Correction accepted, relative to the natural sizes of the coordinates.
-    pub correction: f64,
-    /// Iterations allowed per solve.
-    pub iterations: usize,
-    /// When the tangent is renewed.
-    pub refresh: Refresh,
-}
-
-impl Default for Newton {
-    fn default() -> Self {
-        Self {
-            residual: 1e-10,
-            correction: 1e-6,
-            iterations: 40,
-            refresh: Refresh::EveryIteration,
-        }
-    }
-}
-
-impl Newton {
-    pub(crate) fn check(&self) -> Result<()> {
-        for (what, value) in [
-            ("Newton's residual tolerance", self.residual),
-            ("Newton's correction tolerance", self.correction),
-        ] {
-            crate::error::positive(what, value)?;
-        }
-        if self.iterations == 0 {
-            return Err(Error::TooFew {
-                what: "number of Newton iterations",
-                value: 0,
-                least: 1,
-                remedy: "allow at least one iteration (40 by default)",
-            });
-        }
-        Ok(())
-    }
-}
-
-/// What one solve took; in lanes, the most that any of them did.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Solved {
-    /// Corrections made.
-    pub iterations: usize,
-    /// The fewest corrections after which a lane had converged.
-    pub(crate) fewest: usize,
-    /// Tangents evaluated and factorised.
-    pub tangents: usize,
-    /// Last residual over the force scale.
-    pub residual: f64,
-    /// Whether the solve ended above the tolerance, at the residual that rounding leaves: the
-    /// answer has no more digits in this number type.
-    pub at_floor: bool,
-}
-
-impl Solved {
-    /// A decision that hangs on the number of corrections.
-    pub(crate) fn decide<T: PartialEq>(&self, by: impl Fn(usize) -> T) -> T {
-        let decision = by(self.iterations);
-        // What lanes in between decide does not matter: if these differ, the run is void.
-        let _ = Mask::among(decision == by(self.fewest)).common();
-        decision
-    }
-}
-
-/// The equations of one solve: statics at a load level, or a time step.
-#[derive(Clone, Copy)]
-pub(crate) struct Equations<'a, R> {
-    /// Time at which loads are taken (s).
-    pub(crate) time: R,
-    /// Share of the external forces.
-    pub(crate) factor: R,
-    /// Forces that balance the rest, `1 - factor`: the internal forces of the state that a load
-    /// step starts from.
-    pub(crate) initial: Option<&'a [R]>,
-    /// Acceleration `predicted + rate * (u - guess)`; none in statics. Formed from corrections
-    /// and not from displacements, it keeps its digits at any step size.
-    pub(crate) inertia: Option<(R, &'a [R])>,
-}
-
-/// What the load factor is chosen by when it is an unknown itself: changes of all coordinates.
-pub(crate) struct Changes<'a, R> {
-    /// Since the start of the solve.
-    pub(crate) moved: &'a [R],
-    /// By the correction at a fixed load factor.
-    pub(crate) residual: &'a [R],
-    /// By a unit of the load factor.
-    pub(crate) load: &'a [R],
-}
-
-/// Chooses the next change of the load factor; none when there is none.
-pub(crate) type Choice<'a, R> = dyn FnMut(&Changes<'_, R>) -> Option<R> + 'a;
-
-/// Where forces are taken along a step, with their weight in its mean.
-pub(crate) struct Sample<'a, R> {
-    pub(crate) weight: R,
-    pub(crate) time: R,
-    pub(crate) displacement: &'a [R],
-    pub(crate) acceleration: &'a [R],
-}
-
-impl<'a, R: Real> Sample<'a, R> {
-    /// The two ends of a step, with half the weight each.
-    pub(crate) fn ends(now: &'a State<R>, next: &'a State<R>) -> [Self; 2] {
-        [now, next].map(|state| Self {
-            weight: R::lit(0.5),
-            time: state.time,
-            displacement: &state.displacement,
-            acceleration: &state.acceleration,
-        })
+impl Stability {
+    /// Whether two equilibria are known to differ in stability, and by which numbers: of negative
+    /// eigenvalues, or 0 and 1 for an even and an odd number where no more is known.
+    pub(crate) fn differs(self, other: Self) -> Option<[usize; 2]> {
+        let parity = |s: Self| s.odd.map(usize::from);
+        let numbers = match (self.unstable, other.unstable) {
+            (Some(a), Some(b)) => [a, b],
+            _ => [parity(self)?, parity(other)?],
+        };
+        (numbers[0] != numbers[1]).then_some(numbers)
     }
 }
 
@@ -174,15 +74,9 @@ pub(crate) struct Workspace<R> {
     /// Two more vectors by unknowns.
     rounded: Vec<R>,
     positions: Vec<R>,
-    /// Change of coordinates at a fixed load factor, where that is an unknown.
+    /// Change of coordinates at a fixed load factor, where that is an unknown; the correction made,
+    /// where it may be shortened.
     fixed: Vec<R>,
-}
-
-/// A force balance: the residual's norm and the largest norm among its parts, in units of the
-/// solve's force.
-struct Balance<R> {
-    residual: R,
-    scale: R,
 }
 
 /// Largest correction, in natural sizes, after which the rounding floor still holds.
@@ -268,20 +162,23 @@ impl<R: Real> Workspace<R> {
         &mut self.factor
     }
 
-    /// Factorises the tangent at `u`, and tells its negative eigenvalues where the factors do.
-    pub(crate) fn unstable<S: Structure<R> + ?Sized>(
+    /// Factorises the tangent at `u`, and tells what the factors tell of its stability.
+    pub(crate) fn stability<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
-    ) -> Result<Option<usize>> {
+    ) -> Result<Stability> {
         match self.renew(structure, equations, u) {
-            // Every multiplier brings one that says nothing of stability.
+            // Every multiplier brings an eigenvalue that says nothing of stability.
             Ok(()) => {
                 let held = held(structure);
-                Ok(self.factor.inertia().and_then(|all| all.checked_sub(held)))
+                Ok(Stability {
+                    unstable: self.factor.inertia().and_then(|all| all.checked_sub(held)),
+                    odd: self.factor.odd().map(|odd| odd != (held % 2 == 1)),
+                })
             }
-            Err(Error::Mechanism { .. }) => Ok(None),
+            Err(Error::Mechanism { .. } | Error::StiffnessLost { .. }) => Ok(Stability::default()),
             Err(error) => Err(error),
         }
     }
@@ -291,7 +188,7 @@ impl<R: Real> Workspace<R> {
         &self.moved
     }
 
-    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u) + (1 - factor) initial` from the guess in `u`,
+    /// Solves `M a(u) + Q_s(u) = factor Q_e(t, u) + (1 - factor) rest` from the guess in `u`,
     /// by at least one correction: a small residual alone may hide a light beam beside a heavy
     /// one, and derivatives that a dual number carries.
     pub(crate) fn solve<S: Structure<R> + ?Sized>(
@@ -331,8 +228,17 @@ impl<R: Real> Workspace<R> {
         if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
+        let searching =
+            settings.line_search && choice.is_none() && structure.multipliers().is_empty();
+        let mut work = R::zero();
         loop {
-            let balance = self.balance(structure, &equations, u)?;
+            let mut balance = self.balance(structure, &equations, u)?;
+            if searching && let Some(made) = &mut correction {
+                let share;
+                (balance, share) =
+                    self.search(structure, settings, &equations, (work, balance), u)?;
+                *made *= share;
+            }
             solved.residual = (balance.residual / balance.scale).largest();
             if !balance.residual.finite() {
                 return Err(self.unconverged(solved, "the residual is not finite"));
@@ -345,7 +251,7 @@ impl<R: Real> Workspace<R> {
             let small = balance
                 .residual
                 .at_most(balance.scale * R::lit(settings.residual));
-            let floor = self.floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON);
+            let floor = self.leftover(&balance);
             let mut at_floor =
                 balance.residual.at_most(floor) & corrected_by(NEAR) & !fell_to(STALLED);
             rises += R::zero().where_else(fell_to(1.0), R::one());
@@ -398,7 +304,15 @@ impl<R: Real> Workspace<R> {
             }
             current = false;
             previous = Some(balance.residual);
+            if searching {
+                self.fixed.clear();
+                self.fixed.extend_from_slice(&self.scratch);
+            }
             self.solve_linear(structure.unknowns())?;
+            if searching {
+                work = self.work_left(structure);
+                self.fixed.copy_from_slice(&self.scratch);
+            }
             if let Some(choice) = &mut choice {
                 let change = self.load_change(structure, &equations, *choice, u)?;
                 equations.factor += change.ok_or_else(|| {
@@ -410,75 +324,6 @@ impl<R: Real> Workspace<R> {
         }
     }
 
-    /// Adds to `q`, zero before, the forces that supports, joints, motions and constraints exert in a
-    /// state: what is left of the balance without them.
-    pub(crate) fn add_reactions<S: Structure<R> + ?Sized>(
-        structure: &S,
-        state: &State<R>,
-        q: &mut [R],
-    ) -> Result<()> {
-        structure.add_internal(&state.displacement, q);
-        structure.add_mass_times(R::one(), &state.acceleration, q);
-        structure.add_external(state.time, -R::one(), &state.displacement, q)
-    }
-
-    /// Work over a step, by the trapezoidal rule, of what moves coordinates in time: the reactions'
-    /// own, since those of resting supports and joints do none.
-    pub(crate) fn driven_work<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        now: &State<R>,
-        next: &State<R>,
-    ) -> Result<R> {
-        self.driven_work_by(structure, &Sample::ends(now, next), now, next)
-    }
-
-    fn driven_work_by<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        samples: &[Sample<'_, R>],
-        now: &State<R>,
-        next: &State<R>,
-    ) -> Result<R> {
-        let mut work = R::zero();
-        if structure.is_driven() {
-            for sample in samples {
-                let (u, a) = (sample.displacement, sample.acceleration);
-                self.internal.fill(R::zero());
-                structure.add_internal(u, &mut self.internal);
-                structure.add_mass_times(R::one(), a, &mut self.internal);
-                structure.add_external(sample.time, -R::one(), u, &mut self.internal)?;
-                let moved = next.displacement.iter().zip(&now.displacement);
-                let forces = self.internal.iter().zip(moved);
-                work += forces.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>() * sample.weight;
-            }
-        }
-        Ok(work)
-    }
-
-    /// Work over a step of the applied forces, their mean over `samples` along the way from the
-    /// state `now` to `next`, and of given motions.
-    pub(crate) fn work<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        samples: &[Sample<'_, R>],
-        now: &State<R>,
-        next: &State<R>,
-    ) -> Result<R> {
-        let driven = self.driven_work_by(structure, samples, now, next)?;
-        if !structure.has_applied() {
-            return Ok(driven);
-        }
-        self.external.fill(R::zero());
-        for sample in samples {
-            let (time, u) = (sample.time, sample.displacement);
-            structure.add_applied(time, sample.weight, u, &mut self.external)?;
-        }
-        let moved = next.displacement.iter().zip(&now.displacement);
-        let work = self.external.iter().zip(moved);
-        Ok(driven + work.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>())
-    }
-
     fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
         self.forget();
         Error::Unconverged {
@@ -486,95 +331,6 @@ impl<R: Real> Workspace<R> {
             iterations: solved.iterations,
             residual: solved.residual,
         }
-    }
-
-    /// Residual `Q_e - Q_s - M a` in `scratch`, and its norm.
-    fn balance<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        equations: &Equations<'_, R>,
-        u: &[R],
-    ) -> Result<Balance<R>> {
-        self.internal.fill(R::zero());
-        self.external.fill(R::zero());
-        structure.add_internal(u, &mut self.internal);
-        structure.add_holding(equations.time, u, &mut self.internal);
-        structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
-        if let Some(initial) = equations.initial {
-            let rest = R::one() - equations.factor;
-            for (q, initial) in self.external.iter_mut().zip(initial) {
-                *q += rest * *initial;
-            }
-        }
-        match equations.inertia {
-            Some((rate, predicted)) => {
-                self.inertia.fill(R::zero());
-                for i in 0..u.len() {
-                    self.scratch[i] = predicted[i] + rate * self.moved[i];
-                }
-                structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
-                Ok(self.norms(structure, true))
-            }
-            None => Ok(self.norms(structure, false)),
-        }
-    }
-
-    /// Residual in `scratch` and the norms of `[external, internal, inertia]` and of their
-    /// balance, over what acts on the unknowns: what a support carries is no measure of the rest.
-    fn norms<S: Structure<R> + ?Sized>(&mut self, structure: &S, inertia: bool) -> Balance<R> {
-        let measure = structure.measure();
-        let unknowns = structure.unknowns();
-        unknowns.reduce(&mut self.external);
-        unknowns.reduce(&mut self.internal);
-        if inertia {
-            unknowns.reduce(&mut self.inertia);
-        }
-        let open = self.force.at_most(R::zero());
-        if open.any() {
-            let mut largest = R::zero();
-            for &i in unknowns.free() {
-                let inertia = if inertia { self.inertia[i] } else { R::zero() };
-                for force in [self.external[i], self.internal[i], inertia] {
-                    largest = largest.larger(force.abs());
-                }
-            }
-            self.force = largest.where_else(open, self.force);
-        }
-        let (force, size) = (self.unit(), self.size);
-        let squares = R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                let mut squares = [R::zero(); 4];
-                for &i in unknowns.free() {
-                    let (external, internal) = (self.external[i], self.internal[i]);
-                    let inertia = if inertia { self.inertia[i] } else { R::zero() };
-                    let residual = external - internal - inertia;
-                    self.scratch[i] = residual;
-                    let size = measure[i] / size;
-                    for (square, part) in squares
-                        .iter_mut()
-                        .zip([residual, external, internal, inertia])
-                    {
-                        let part = part / force * size;
-                        *square += part * part;
-                    }
-                }
-                squares
-            },
-        ));
-        let largest = squares[1].larger(squares[2]).larger(squares[3]);
-        // A state without any force is its own solution: avoid 0 / 0.
-        let scale = R::one().where_else(largest.at_most(R::zero()), largest);
-        Balance {
-            residual: norm(squares[0]),
-            scale: norm(scale),
-        }
-    }
-
-    /// The force by which this solve measures others: squares of those on the smallest beams are no
-    /// numbers of single precision.
-    fn unit(&self) -> R {
-        R::one().where_else(self.force.at_most(R::zero()), self.force)
     }
 
     fn add_tangent<S: Structure<R> + ?Sized>(
@@ -585,6 +341,9 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         let (time, k) = (equations.time, &mut self.tangent);
         structure.add_tangent(time, equations.factor, u, k)?;
+        if let Rest::Permanent = equations.rest {
+            structure.subtract_permanent_tangent(time, R::one() - equations.factor, u, k)?;
+        }
         structure.add_holding_tangent(time, u, k)
     }
 
@@ -603,65 +362,15 @@ impl<R: Real> Workspace<R> {
         }
         let factored = self.factor.factor(self.tangent.stored());
         self.factored = factored.is_ok();
-        factored.map_err(|error| singular(structure, error))
-    }
-
-    /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:
-    /// with displacements, what the library's own strains leave; with the natural sizes of the
-    /// coordinates, what any law does that forms its strains from the whole of them.
-    fn rounding<S: Structure<R> + ?Sized>(&mut self, structure: &S, sizes: &[R]) -> Result<R> {
-        let unknowns = structure.unknowns();
-        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-            *q = sizes[i];
-        }
-        let stored = self.tangent.stored();
-        stored.abs_mul_vec(&self.unknown, &mut self.rounded)?;
-        let measure = structure.measure();
-        let multipliers = structure.multipliers();
-        if !multipliers.is_empty() {
-            // Constraints are formed from positions, which are as large as the structure however
-            // small its displacements.
-            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-                *q = measure[i];
+        factored.map_err(|error| match singular(structure, error) {
+            // Without inertia what moves freely is seen by geometry alone.
+            Error::Mechanism { coordinate, pivot }
+                if equations.inertia.is_none() && structure.moves_rigidly(u) == Some(false) =>
+            {
+                Error::StiffnessLost { coordinate, pivot }
             }
-            stored.abs_mul_vec(&self.unknown, &mut self.positions)?;
-            for (q, rounded) in self.rounded.iter_mut().enumerate() {
-                if multipliers.contains(&unknowns.free()[q]) {
-                    *rounded = self.positions[q] * R::lit(4.0);
-                }
-            }
-        }
-        let (force, size) = (self.unit(), self.size);
-        let mut square = R::zero();
-        for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
-            let part = *rounded / force * (measure[i] / size);
-            square += part * part;
-        }
-        Ok(norm(square) * R::lit(R::EPSILON) * self.unit())
-    }
-
-    /// What one more correction would change of the displacements `u` just solved for, largest over
-    /// largest in natural sizes, when the factors are those of the tangent at `u`. Where rounding is
-    /// all that is left of the residual, this is what it takes of the answer: forces that rounding
-    /// leaves but that bend nothing do not count, and a tangent that is all rounding itself would
-    /// go on as it came. Zero where nothing moved.
-    pub(crate) fn open<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &[R]) -> Result<f64> {
-        let (free, multipliers) = (structure.unknowns().free(), structure.multipliers());
-        let measure = structure.measure();
-        for (x, &i) in self.unknown.iter_mut().zip(free) {
-            *x = self.scratch[i];
-        }
-        self.factor.solve(&mut self.unknown)?;
-        let (mut change, mut moved) = (R::zero(), R::zero());
-        for (x, &i) in self.unknown.iter().zip(free) {
-            if !multipliers.contains(&i) {
-                change = change.larger((*x / measure[i]).abs());
-                moved = moved.larger((u[i] / measure[i]).abs());
-            }
-        }
-        let still = moved.at_most(R::zero());
-        let share = change / R::one().where_else(still, moved);
-        Ok(R::zero().where_else(still, share).largest())
+            other => other,
+        })
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
@@ -686,7 +395,7 @@ impl<R: Real> Workspace<R> {
         self.fixed.clear();
         self.fixed.extend_from_slice(&self.scratch);
         self.scratch.fill(R::zero());
-        structure.add_external(equations.time, R::one(), u, &mut self.scratch)?;
+        add_growing(structure, equations.time, u, &mut self.scratch)?;
         structure.unknowns().reduce(&mut self.scratch);
         self.solve_linear(structure.unknowns())?;
         let change = choice(&Changes {
@@ -758,14 +467,5 @@ fn singular<R: Real, S: Structure<R> + ?Sized>(structure: &S, error: Error) -> E
             }
         }
         other => other,
-    }
-}
-
-/// Square root that carries a zero derivative at zero instead of NaN.
-pub(crate) fn norm<R: Real>(square: R) -> R {
-    if R::ORDER > 0 && square.is_zero() {
-        R::zero()
-    } else {
-        square.sqrt()
     }
 }

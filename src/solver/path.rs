@@ -71,7 +71,10 @@ pub struct Path {
     /// Most points in one run to a target.
     pub points: usize,
     /// Share of a step to which limit and bifurcation points are located; `None` not to look for
-    /// them.
+    /// them. They are seen by a change in the number of negative eigenvalues of the tangent; under
+    /// follower loads, whose tangent is unsymmetric, by a change of the sign of its determinant: two
+    /// points within one step, or one at which two directions become critical, are then missed, and
+    /// so is the onset of flutter, where no static equilibrium is critical.
     pub locate: Option<f64>,
     /// Newton's method at each point.
     pub newton: Newton,

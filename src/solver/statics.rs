@@ -3,7 +3,7 @@
 //! at rest this is a growing load; from any other it is the way from what the state carries to the
 //! load asked for.
 
-use super::newton::{Equations, Newton, Workspace};
+use super::newton::{Equations, Newton, Rest, Stability, Workspace};
 use super::unknowns::Unknowns;
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result};
@@ -23,7 +23,8 @@ pub struct Statics {
     pub newton: Newton,
     /// Whether to refuse a step after which the equilibrium is unstable in another number of
     /// directions than before: it has passed a limit or bifurcation point or jumped to another
-    /// branch. Statics then stops before that point.
+    /// branch. Statics then stops before that point. Under follower loads only whether that number
+    /// is even or odd is known.
     pub hold_stability: bool,
 }
 
@@ -78,7 +79,7 @@ impl Statics {
     /// halved [`cutbacks`](Self::cutbacks) times (a limit point, buckling, or too large a load) or
     /// with [`Error::StabilityChanged`] when that is [refused](Self::hold_stability);
     /// [`Error::NoDigits`] when rounding leaves not one digit of the displacements;
-    /// [`Error::Mechanism`] for too few supports;
+    /// [`Error::Mechanism`] for too few supports, [`Error::StiffnessLost`] for enough of them;
     /// [`Error::LoadNotFinite`]; typed errors for settings and states that do not fit.
     pub fn solve<R: Real, S: Structure<R>>(
         &self,
@@ -103,6 +104,7 @@ impl Statics {
         let mut step = full;
         let mut reached = R::zero();
         let mut before: Option<(Vec<R>, R)> = None;
+        let mut stability = Stability::default();
         let mut u = state.displacement.clone();
         let mut initial = vec![R::zero(); u.len()];
         structure.add_internal(&u, &mut initial);
@@ -112,10 +114,10 @@ impl Statics {
             let start = Equations {
                 time: state.time,
                 factor: R::zero(),
-                initial: Some(&initial),
+                rest: Rest::Start(&initial),
                 inertia: None,
             };
-            report.unstable = workspace.unstable(structure, &start, &u)?;
+            stability = workspace.stability(structure, &start, &u)?;
         }
         while reached < R::one() {
             let mut factor = (reached + step).smaller(R::one());
@@ -134,7 +136,7 @@ impl Statics {
             let equations = Equations {
                 time: state.time,
                 factor,
-                initial: Some(&initial),
+                rest: Rest::Start(&initial),
                 inertia: None,
             };
             let last = factor >= R::one();
@@ -142,14 +144,14 @@ impl Statics {
                 .solve(structure, &self.newton, &equations, &mut u)
                 .and_then(|solved| {
                     if self.hold_stability || last {
-                        let now = workspace.unstable(structure, &equations, &u)?;
-                        if let (Some(before), Some(now), true) =
-                            (report.unstable, now, self.hold_stability)
-                            && before != now
+                        let now = workspace.stability(structure, &equations, &u)?;
+                        if let (Some([before, now]), true) =
+                            (stability.differs(now), self.hold_stability)
                         {
                             return Err(Error::StabilityChanged { before, now });
                         }
-                        report.unstable = now;
+                        stability = now;
+                        report.unstable = now.unstable;
                     }
                     if last && workspace.factored() {
                         report.rounding = workspace.open(structure, &u)?;
@@ -178,9 +180,11 @@ impl Statics {
                     return Err(error);
                 }
                 // Before any load has acted no smaller step can help.
-                Err(error @ (Error::Mechanism { .. } | Error::Redundant { .. }))
-                    if report.steps == 0 =>
-                {
+                Err(
+                    error @ (Error::Mechanism { .. }
+                    | Error::StiffnessLost { .. }
+                    | Error::Redundant { .. }),
+                ) if report.steps == 0 => {
                     return Err(error);
                 }
                 Err(error) => {

@@ -111,6 +111,29 @@ pub trait Structure<R: Real> {
         Ok(())
     }
 
+    /// Adds `factor` times the permanent ones of the external forces, which act in full whatever the
+    /// load factor of a path of equilibria; none by default.
+    ///
+    /// # Errors
+    /// When a load is not finite.
+    fn add_permanent(&self, _time: R, _factor: R, _u: &[R], _q: &mut [R]) -> Result<()> {
+        Ok(())
+    }
+
+    /// Subtracts the derivative of [`add_permanent`](Self::add_permanent) by the coordinates.
+    ///
+    /// # Errors
+    /// When a load is not finite.
+    fn subtract_permanent_tangent(
+        &self,
+        _time: R,
+        _factor: R,
+        _u: &[R],
+        _k: &mut Matrix<R>,
+    ) -> Result<()> {
+        Ok(())
+    }
+
     /// Whether there are external forces whose work is counted step by step (nodal loads, which
     /// are no potential of the structure's own); none by default.
     fn has_applied(&self) -> bool {
@@ -140,6 +163,12 @@ pub trait Structure<R: Real> {
     /// What coordinate `i` is, in words, for messages.
     fn name(&self, i: usize) -> String {
         format!("coordinate {i}")
+    }
+
+    /// Whether a motion from the state `u` deforms nothing and nothing holds it, asked where the
+    /// tangent is singular; by default that is not known.
+    fn moves_rigidly(&self, _u: &[R]) -> Option<bool> {
+        None
     }
 
     /// Whether a converged state is one the model can mean; by default every state is.
@@ -230,6 +259,17 @@ pub(crate) fn add_projection<R: Real, S: Structure<R> + ?Sized>(
         k.add(multiplier, i, slope)?;
         k.add(i, multiplier, slope)
     })
+}
+
+/// Adds the external forces that grow with the load factor of a path.
+pub(crate) fn add_growing<R: Real, S: Structure<R> + ?Sized>(
+    structure: &S,
+    time: R,
+    u: &[R],
+    q: &mut [R],
+) -> Result<()> {
+    structure.add_external(time, R::one(), u, q)?;
+    structure.add_permanent(time, -R::one(), u, q)
 }
 
 /// How many multipliers are solved for: those of conditions that do not follow from others.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Solid, Spring, Swing, pendulum};
+use crate::models::{Particle, Potential, Solid, Spring, Swing, pendulum};
 
 /// A quarter of the period from 90 degrees.
 const QUARTER: f64 = 1.854_074_677_301_371_9;
@@ -249,4 +249,49 @@ fn a_beam_lands_on_time() {
         run.state().time
     );
     assert!((run.state().velocity[at] + 3.0).abs() < 1e-11);
+}
+
+/// No force but a gap in which there is none to be known.
+struct Gap;
+
+impl Potential for Gap {
+    fn force(&self, q: f64) -> f64 {
+        match (0.72..0.74).contains(&q) {
+            true => f64::NAN,
+            false => 0.0,
+        }
+    }
+    fn stiffness(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+/// A free particle is at 0.9 m after 0.9 s; the secant of the cube looks for that at 0.729 s, where a
+/// step fails that ends there. Halved and adaptive steps come by another way, fixed ones say so.
+#[test]
+fn a_step_that_fails_on_the_way_to_an_event_is_recovered() {
+    let free = Particle::new(Gap);
+    let beyond = |state: &State<f64>| state.displacement[0].powi(3) - 0.9_f64.powi(3);
+    let run = |stepping| {
+        let scheme = Newmark::trapezoidal();
+        let mut run = Integration::start(&free, free.at(0.0, 1.0), &scheme)?;
+        let ending = run.until_event(2.0, stepping, Crossing::Rising, beyond, |_| {})?;
+        Ok((ending, run.state().displacement[0], run.report().failed))
+    };
+    let long = Adaptive {
+        first: 1.0,
+        longest: 1.0,
+        ..Adaptive::to(1e-3)
+    };
+    let halved = Stepping::Halved {
+        step: 1.0,
+        halvings: 2,
+    };
+    for stepping in [halved, Stepping::Adaptive(long)] {
+        let (ending, place, failed) = run(stepping).unwrap();
+        assert!(ending == Ending::Event && failed == 1, "{failed} failed");
+        assert!((place - 0.9).abs() < 1e-12, "{place}");
+    }
+    let refused: Result<(Ending, f64, usize)> = run(Stepping::Fixed(1.0));
+    assert!(matches!(refused, Err(Error::StepFailed { .. })));
 }

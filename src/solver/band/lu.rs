@@ -27,6 +27,8 @@ pub(super) struct Lu<R> {
     upper_end: Vec<usize>,
     row_scale: Vec<R>,
     column_scale: Vec<R>,
+    /// Whether the determinant is negative.
+    negative: bool,
 }
 
 impl<R: Real> Lu<R> {
@@ -43,6 +45,7 @@ impl<R: Real> Lu<R> {
             upper_end: vec![0; size],
             row_scale: vec![R::zero(); size],
             column_scale: vec![R::zero(); size],
+            negative: false,
         }
     }
 
@@ -55,6 +58,7 @@ impl<R: Real> Lu<R> {
         self.fetch(profile, matrix)?;
         let (size, reach) = (profile.size(), profile.reach());
         let mut end = 0;
+        self.negative = false;
         for j in 0..size {
             let last = reach[j];
             let (mut chosen, mut largest) = (j, R::zero());
@@ -83,6 +87,8 @@ impl<R: Real> Lu<R> {
                 });
             }
             end = end.max(reach[chosen]);
+            // Every interchange turns the sign; the scales are positive.
+            self.negative ^= (pivot < R::zero()) != (chosen != j);
             self.swapped[j] = chosen;
             self.upper_end[j] = end;
             let count = end + 1 - j;
@@ -142,7 +148,13 @@ impl<R: Real> Lu<R> {
         Ok(())
     }
 
+    /// Whether the determinant of the last matrix is negative.
+    pub(super) fn negative(&self) -> bool {
+        self.negative
+    }
+
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+        tape.flag(&mut self.negative)?;
         for numbers in [
             &mut self.rows,
             &mut self.multipliers,
@@ -184,6 +196,38 @@ impl<R: Real> Lu<R> {
             x[j] = sum * self.inverse[j];
         }
         for (x, scale) in x.iter_mut().zip(&self.column_scale) {
+            *x *= *scale;
+        }
+    }
+}
+
+impl<R: Real> Lu<R> {
+    /// Replaces `x` by the solution of the transposed system.
+    pub(super) fn solve_transposed(&self, profile: &Profile, x: &mut [R]) {
+        let reach = profile.reach();
+        for (x, scale) in x.iter_mut().zip(&self.column_scale) {
+            *x *= *scale;
+        }
+        for j in 0..x.len() {
+            let value = x[j] * self.inverse[j];
+            x[j] = value;
+            let end = self.upper_end[j];
+            let row = &self.rows[self.index(j, j)..=self.index(j, end)];
+            for (x, u) in x[j + 1..=end].iter_mut().zip(&row[1..]) {
+                *x -= *u * value;
+            }
+        }
+        for j in (0..x.len()).rev() {
+            let count = reach[j] - j;
+            let multipliers = &self.multipliers[j * self.half..j * self.half + count];
+            let mut sum = x[j];
+            for (l, x) in multipliers.iter().zip(&x[j + 1..]) {
+                sum -= *l * *x;
+            }
+            x[j] = sum;
+            x.swap(j, self.swapped[j]);
+        }
+        for (x, scale) in x.iter_mut().zip(&self.row_scale) {
             *x *= *scale;
         }
     }

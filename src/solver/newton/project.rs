@@ -3,7 +3,7 @@
 //! of mass and derivatives. What integrators do besides solving for a step.
 
 use super::super::structure::add_projection;
-use super::{Equations, STALLED, Workspace, singular, solve_by};
+use super::{Equations, Rest, STALLED, Workspace, singular, solve_by};
 use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::solver::{Rate, State, Structure};
@@ -26,7 +26,7 @@ impl<R: Real> Workspace<R> {
         let equations = Equations {
             time: state.time,
             factor: R::one(),
-            initial: None,
+            rest: Rest::Nothing,
             inertia: Some((R::zero(), &state.acceleration)),
         };
         self.balance(structure, &equations, &state.displacement)?;

@@ -1,0 +1,274 @@
+//! The system as the solvers see it: residual, tangent and mass by sums over bodies, connectors,
+//! constraints and loads.
+
+use std::ops::Range;
+
+use super::System;
+use crate::element::NodalVector;
+use crate::error::{Error, Result};
+use crate::scalar::{Loops, Real};
+use crate::scene::chain::Body;
+use crate::scene::load::NodalLoad;
+use crate::solver::{Matrix, Rate, Secant, Structure, Unknowns};
+
+impl<R: Real, const D: usize> System<R, D> {
+    fn add_weight(&self, factor: R, q: &mut [R]) {
+        for (q, w) in q.iter_mut().zip(self.weight.iter().flatten()) {
+            *q += factor * *w;
+        }
+    }
+
+    fn add_loads(
+        &self,
+        loads: &[NodalLoad<R, D>],
+        time: R,
+        factor: R,
+        u: &[R],
+        q: &mut [R],
+    ) -> Result<()> {
+        for load in loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.add(amplitude, |i| self.reference[i] + u[i], q);
+        }
+        Ok(())
+    }
+
+    fn subtract_loads(
+        &self,
+        loads: &[NodalLoad<R, D>],
+        time: R,
+        factor: R,
+        u: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        for load in loads {
+            let amplitude = factor * load.amplitude(time)?;
+            load.subtract_tangent(amplitude, |i| self.reference[i] + u[i], k)?;
+        }
+        Ok(())
+    }
+}
+
+impl<R: Real, const D: usize> Structure<R> for System<R, D> {
+    fn unknowns(&self) -> &Unknowns<R> {
+        &self.unknowns
+    }
+
+    fn symmetric(&self) -> bool {
+        self.loads.iter().all(NodalLoad::symmetric)
+    }
+
+    fn impose(&self, time: R, rate: Rate, x: &mut [R]) -> Result<()> {
+        self.unknowns.impose(x, |k| self.courses[k].at(time, rate))
+    }
+
+    fn multipliers(&self) -> Range<usize> {
+        let count: usize = self.constraints.iter().map(|c| c.count()).sum();
+        self.reference.len() - count..self.reference.len()
+    }
+
+    fn add_holding(&self, time: R, u: &[R], q: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.force(time, u, q);
+        }
+    }
+
+    fn add_holding_tangent(&self, time: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let mut constraints = self.constraints.iter();
+        constraints.try_for_each(|constraint| constraint.tangent(time, u, k))
+    }
+
+    fn violation(&self, time: R, motion: &[&[R]], out: &mut [R]) {
+        for constraint in &self.constraints {
+            constraint.violation(time, motion, &mut |i, value, scale| out[i] = scale * value);
+        }
+    }
+
+    fn gradient(&self, time: R, motion: &[&[R]], tell: &mut dyn FnMut(usize, usize, R)) {
+        for constraint in &self.constraints {
+            constraint.gradient(time, motion, tell);
+        }
+    }
+
+    fn add_curvature(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        let mut constraints = self.constraints.iter();
+        constraints.try_for_each(|constraint| constraint.curvature(time, factor, u, k))
+    }
+
+    fn mass_factor(&self) -> R {
+        self.mass_factor
+    }
+
+    fn measure(&self) -> &[R] {
+        &self.measure
+    }
+
+    fn add_internal(&self, u: &[R], q: &mut [R]) {
+        for body in &self.bodies {
+            body.elastic().force(u, q);
+        }
+        for link in &self.connectors {
+            link.force(u, q);
+        }
+    }
+
+    fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        self.add_weight(factor, q);
+        self.add_applied(time, factor, u, q)
+    }
+
+    fn add_permanent(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        if self.permanent.weight {
+            self.add_weight(factor, q);
+        }
+        self.add_loads(&self.loads[..self.permanent.loads], time, factor, u, q)
+    }
+
+    fn subtract_permanent_tangent(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        self.subtract_loads(&self.loads[..self.permanent.loads], time, factor, u, k)
+    }
+
+    fn is_driven(&self) -> bool {
+        !self.courses.is_empty() || self.constraints.iter().any(|c| c.moves())
+    }
+
+    fn has_applied(&self) -> bool {
+        !self.loads.is_empty()
+    }
+
+    fn add_applied(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
+        self.add_loads(&self.loads, time, factor, u, q)
+    }
+
+    fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        for body in &self.bodies {
+            body.elastic().tangent(u, k)?;
+        }
+        for link in &self.connectors {
+            link.tangent(u, k)?;
+        }
+        self.subtract_loads(&self.loads, time, factor, u, k)
+    }
+
+    fn secant(&self) -> Secant {
+        let strained = self.bodies.iter().all(|b| b.elastic().has_strain());
+        match strained && self.connectors.is_empty() {
+            true => Secant::Strain,
+            false => Secant::Path,
+        }
+    }
+
+    fn add_secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
+        for body in &self.bodies {
+            body.elastic().secant(viscosity, from, to, q);
+        }
+        for link in &self.connectors {
+            link.secant(from, to, q);
+        }
+    }
+
+    fn add_secant_tangent(
+        &self,
+        (time, factor): (R, R),
+        viscosity: R,
+        from: &[R],
+        to: &[R],
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        for body in &self.bodies {
+            body.elastic().secant_tangent(viscosity, from, to, k)?;
+        }
+        for link in &self.connectors {
+            link.secant_tangent(from, to, k)?;
+        }
+        let half = R::lit(0.5);
+        for load in &self.loads {
+            let amplitude = half * factor * load.amplitude(time)?;
+            let e = |i| self.reference[i] + half * (from[i] + to[i]);
+            load.subtract_tangent(amplitude, e, k)?;
+        }
+        Ok(())
+    }
+
+    fn name(&self, i: usize) -> String {
+        let inside = |(_, body): &(usize, &Body<R, D>)| body.range().contains(&i);
+        let Some((index, body)) = self.bodies.iter().enumerate().find(inside) else {
+            return self.name_constraint(i);
+        };
+        let vector = (i - body.range().start) / D;
+        let per_node = body.vectors().len();
+        let what = match body.vectors()[vector % per_node] {
+            NodalVector::Position => "the position".to_string(),
+            NodalVector::Slope(a) => format!("slope {a}"),
+        };
+        let component = ["x", "y", "z"][(i % D).min(2)];
+        format!(
+            "{component} of {what} of node {} of beam {index}",
+            vector / per_node
+        )
+    }
+
+    fn moves_rigidly(&self, u: &[R]) -> Option<bool> {
+        self.moves_rigidly(u)
+    }
+
+    /// The material triad of every fully parameterised node must keep its orientation.
+    fn check(&self, u: &[R]) -> Result<()> {
+        for (index, body) in self.bodies.iter().enumerate() {
+            if let Some((node, ratio)) = body.inverted(&self.reference, u) {
+                return Err(Error::Inverted {
+                    body: index,
+                    node,
+                    ratio: ratio.value(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn has_mass(&self) -> bool {
+        self.mass.is_some()
+    }
+
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        let Some(mass) = &self.mass else { return };
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for i in 0..mass.size() {
+                    let (first, row) = mass.row(i);
+                    for (j, m) in (first..).zip(row) {
+                        let m = factor * *m;
+                        for c in 0..D {
+                            out[i * D + c] += m * a[j * D + c];
+                        }
+                        if i != j {
+                            for c in 0..D {
+                                out[j * D + c] += m * a[i * D + c];
+                            }
+                        }
+                    }
+                }
+            },
+        ));
+    }
+
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
+        let Some(mass) = &self.mass else {
+            return Ok(());
+        };
+        for i in 0..mass.size() {
+            let (first, row) = mass.row(i);
+            for (j, m) in (first..).zip(row) {
+                k.add_alike(i * D, j * D, D, factor * *m)?;
+            }
+        }
+        Ok(())
+    }
+}

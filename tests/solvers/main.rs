@@ -1,0 +1,7 @@
+//! Claims about how equilibria are found and followed, one file per family of claims: a single program
+//! of few kernels.
+
+mod follower;
+mod loose;
+mod permanent;
+mod search;
