@@ -17,7 +17,7 @@ use super::tie::{Connecting, Holding};
 use super::{Node, Permanent, Scene, coordinates, locate};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite};
-use crate::scalar::{Loops, Real};
+use crate::scalar::Real;
 use crate::solver::band::{BandMatrix, Profile};
 use crate::solver::{Condition, Rate, State, Structure, Unknowns, Workspace, held};
 use crate::tensor::{add_scaled, cross, sum};
