@@ -3,6 +3,7 @@
 
 use ancf::prelude::*;
 use ancf::solver::{Matrix, Profile, Unknowns};
+use std::f64::consts::PI;
 
 /// A mathematical pendulum as a structure of one unknown: `theta'' + sin theta = 0`.
 struct Pendulum {
@@ -267,36 +268,6 @@ fn an_observer_may_end_the_run() {
     assert!((run.state().time - 0.51).abs() < 1e-9);
 }
 
-/// A step so small that positions hardly change keeps its accelerations: they are not formed
-/// from differences of positions.
-#[test]
-fn tiny_steps_keep_the_acceleration() {
-    let (system, beam) = paper_pendulum::<2, 6>(4, Continuum::full(rubber(0.0)));
-    let at = system
-        .coordinate(beam.end(), NodalVector::Position)
-        .unwrap()
-        + 1;
-    let method = Newmark::trapezoidal();
-    let mut run = Integration::start(&system, system.rest(), &method).unwrap();
-    run.until(0.1, Stepping::Fixed(1e-3), |_| {}).unwrap();
-    let before = run.state().acceleration[at];
-    for _ in 0..10 {
-        run.step(1e-8).unwrap();
-    }
-    let after = run.state().acceleration[at];
-    assert!((after / before - 1.0).abs() < 1e-4, "{before} {after}");
-}
-
-/// Velocities given to supports are not kept.
-#[test]
-fn supports_do_not_move() {
-    let (system, _) = paper_pendulum::<2, 6>(4, Continuum::full(rubber(0.0)));
-    let mut state = system.rest();
-    state.velocity[1] = 5.0;
-    let run = Integration::start(&system, state, &Newmark::trapezoidal()).unwrap();
-    assert_eq!(run.state().velocity[1], 0.0);
-}
-
 /// Single precision follows double at a small step.
 #[test]
 fn single_precision_swings_like_double() {
@@ -323,4 +294,27 @@ fn single_precision_swings_like_double() {
             "{step}: {single} not {double}"
         );
     }
+}
+
+/// The interpolation shown to observers agrees with the ends of the step and is smooth inside.
+#[test]
+fn observers_can_look_inside_a_step() {
+    let pendulum = Pendulum::new();
+    let method = Newmark::trapezoidal();
+    let mut run = Integration::start(&pendulum, pendulum.at(PI / 2.0), &method).unwrap();
+    let mut quarter = None;
+    run.until(2.0, Stepping::Fixed(0.01), |s| {
+        assert_eq!(
+            s.displacement_at(s.before.time, 0).unwrap(),
+            s.before.displacement[0]
+        );
+        assert!(
+            (s.displacement_at(s.after.time, 0).unwrap() - s.after.displacement[0]).abs() < 1e-15
+        );
+        if s.contains(QUARTER) {
+            quarter = Some(s.displacement_at(QUARTER, 0).unwrap());
+        }
+    })
+    .unwrap();
+    assert!(quarter.unwrap().abs() < 1e-4, "{quarter:?}");
 }
