@@ -93,7 +93,7 @@ fn thick_beams_vibrate_as_timoshenko_says() {
     let section = Rectangle::new(h, h).unwrap();
 
     let mut scene = Scene::<f64, 2>::new();
-    let beam = Beam::new(Quadratic, section, rule.clone());
+    let beam = Beam::new(Quadratic, section, rule);
     let beam = beam.straight([0.0; 2], [length, 0.0], 64).density(density);
     let beam = scene.add(beam).unwrap();
     scene.pin(beam.start()).unwrap();
@@ -120,7 +120,7 @@ fn thick_beams_vibrate_as_timoshenko_says() {
     });
     for (held, truth) in [(1, 280.320625133), (2, shaft)] {
         let mut scene = Scene::<f64, 3>::new();
-        let beam = Beam::new(Quadratic, section, rule.clone());
+        let beam = Beam::new(Quadratic, section, rule);
         let beam = beam
             .straight([0.0; 3], [length, 0.0, 0.0], 32)
             .density(density);
