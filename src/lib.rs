@@ -87,7 +87,7 @@ pub mod prelude {
         Estimator, Integration, Method, Midpoint, Newmark, Refusal, RunReport, Scheme, Step,
         Stepping,
     };
-    pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff};
+    pub use crate::material::{Material, PoissonSplit, SaintVenantKirchhoff, Tensor};
     pub use crate::quadrature::Cubature;
     pub use crate::scalar::{Algebra, Field, Real, Scalar};
     pub use crate::scene::{

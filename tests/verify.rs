@@ -19,8 +19,29 @@ fn assert_passes(report: Report) {
     }
 }
 
+/// An I profile with fillets of radius `r` (m).
+fn filleted(r: f64) -> Outline<f64> {
+    let (b, h, flange, web) = (0.02, 0.03, 0.024, 0.0025);
+    let bulge = -(PI / 8.0).tan();
+    let half = |side: f64, profile: Loop<f64>| {
+        let at = |y: f64, z: f64| [side * y, side * z];
+        profile
+            .line_to(at(b, -h))
+            .line_to(at(b, -flange))
+            .line_to(at(web + r, -flange))
+            .arc_to(at(web, r - flange), bulge)
+            .line_to(at(web, flange - r))
+            .arc_to(at(web + r, flange), bulge)
+            .line_to(at(b, flange))
+            .line_to(at(b, h))
+    };
+    Outline::new(half(-1.0, half(1.0, Loop::start([-b, -h])))).unwrap()
+}
+
 fn sections() -> Vec<Box<dyn Section<f64>>> {
     vec![
+        Box::new(filleted(0.002)),
+        Box::new(filleted(0.005)),
         Box::new(Disk::new(0.04).unwrap()),
         Box::new(Annulus::new(0.05, 0.03).unwrap()),
         Box::new(Rectangle::new(0.08, 0.03).unwrap()),

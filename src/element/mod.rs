@@ -3,10 +3,12 @@
 //! numbers, everything else from the gradients.
 
 mod cable;
+mod check;
 mod fully_parameterised;
 mod quadratic;
 
 pub use cable::Cable;
+pub(crate) use check::{ACROSS, Kit, check, check_layout, most};
 pub use fully_parameterised::FullyParameterised;
 pub use quadratic::Quadratic;
 

@@ -233,6 +233,14 @@ fn by_strain<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
 
 /// A material whose energy splits into a part free of Poisson coupling and the rest, so that the
 /// two can be sampled in different places (selective reduced integration).
+///
+/// A law of one's own splits by the linear elasticity it has at rest: the uncoupled part is the law
+/// less `D - D0` of small strains, `psi(E) - (E : (D - D0) : E) / 2`, the coupled part that quadratic
+/// term, so that both add up to the law.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say how it splits into a part without Poisson coupling and the rest",
+    note = "implement `PoissonSplit` for it, or state the parts yourself with `Continuum::layered`"
+)]
 pub trait PoissonSplit: Sized {
     /// The part in which normal strains do not couple: `D0 = diag(E, .., G, ..)`.
     fn uncoupled(&self) -> Self;

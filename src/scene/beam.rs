@@ -130,6 +130,7 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                 remedy: "divide the beam into at least one element",
             });
         }
+        crate::element::check(&self.element)?;
         self.formulation.check(&self.element, &self.section)?;
         let share = R::one() / R::lit(elements as f64);
         let (chain, frames, length) = match axis {

@@ -3,20 +3,12 @@
 //! only what the axis does.
 
 use nalgebra::{DMatrix, SymmetricEigen};
-use num_dual::DualSVec;
 
-use super::material::most;
 use super::{Limit, Report};
-use crate::element::{Element, NodalVector};
-use crate::scalar::Scalar;
+use crate::element::{ACROSS, Element, Kit, NodalVector, check_layout, most};
 
 /// Rounding allowed in sums of a few shape functions.
 const EXACT: f64 = 1e-12;
-/// Stations along the axis at which fields are compared, off every special point.
-const STATIONS: [f64; 7] = [0.0, 0.137, 0.291, 0.5, 0.618, 0.823, 1.0];
-/// Cross positions over the length.
-const ACROSS: [[f64; 2]; 4] = [[0.0, 0.0], [0.11, 0.03], [-0.05, 0.07], [0.02, -0.13]];
-
 /// Checks the shape functions of an element of `length` (m): each node carries the vectors it is
 /// said to, positions add up to one, every linear field within the reach of the element's slopes
 /// is represented, the functions are independent, neighbours fit, and the declared degrees are
@@ -27,22 +19,18 @@ pub fn element<E: Element<D, S>, const D: usize, const S: usize>(
 ) -> Report {
     let mut report = Report::new(format!("{element:?} in {D} dimensions, length {length} m"));
     let kit = Kit { element, length };
-    let counted = E::NODES * E::VECTORS.len();
-    let missing = (S as f64 - counted as f64).abs();
-    report.push(
-        "vectors beside nodes times vectors",
-        "",
-        missing,
-        Limit::AtMost(0.0),
-    );
-    if missing > 0.0 || E::NODES < 2 || !(length.is_finite() && length > 0.0) {
-        report.push(
-            "nodes of the element",
-            "",
-            E::NODES as f64,
-            Limit::AtLeast(2.0),
-        );
+    if !(length.is_finite() && length > 0.0) {
         report.push("length", "m", length, Limit::Above(0.0));
+    }
+    if let Err(error) = check_layout::<E, D, S>() {
+        report.push(
+            "nodes and nodal vectors",
+            error.to_string(),
+            1.0,
+            Limit::AtMost(0.0),
+        );
+    }
+    if !report.passed() {
         return report;
     }
 
@@ -100,89 +88,7 @@ pub fn element<E: Element<D, S>, const D: usize, const S: usize>(
     report
 }
 
-struct Kit<'a, E> {
-    element: &'a E,
-    length: f64,
-}
-
 impl<E> Kit<'_, E> {
-    fn point<const D: usize>(xi: f64, across: [f64; 2]) -> [f64; D] {
-        std::array::from_fn(|a| if a == 0 { xi } else { across[a - 1] })
-    }
-
-    fn points<const D: usize>() -> impl Iterator<Item = [f64; D]> {
-        STATIONS
-            .into_iter()
-            .flat_map(|xi| ACROSS.map(|y| Self::point(xi, y)))
-    }
-
-    fn shape<const D: usize, const S: usize>(&self, x: [f64; D]) -> [f64; S]
-    where
-        E: Element<D, S>,
-    {
-        self.element.shape(self.length, x)
-    }
-
-    /// Functions of positions add up to one, so that a translation moves every point alike.
-    fn unity<const D: usize, const S: usize>(&self) -> f64
-    where
-        E: Element<D, S>,
-    {
-        let sum = |x| -> f64 { self.positions(&self.shape(x)).map(|(_, s)| s).sum() };
-        Self::points().fold(0.0, |worst, x| most(worst, (sum(x) - 1.0).abs()))
-    }
-
-    fn positions<'s, const D: usize, const S: usize>(
-        &self,
-        s: &'s [f64; S],
-    ) -> impl Iterator<Item = (usize, f64)> + 's
-    where
-        E: Element<D, S>,
-    {
-        let per_node = E::VECTORS.len();
-        let at = move |i: &usize| E::VECTORS[i % per_node] == NodalVector::Position;
-        (0..S).filter(at).map(move |i| (i / per_node, s[i]))
-    }
-
-    /// Reads vector `a` at every node from the field of each shape function in turn: one for its
-    /// own, zero for every other (slopes times the length for those of positions).
-    fn nodal<const D: usize, const S: usize>(&self, a: usize) -> f64
-    where
-        E: Element<D, S>,
-    {
-        let per_node = E::VECTORS.len();
-        let mut worst = 0.0;
-        for node in 0..E::NODES {
-            let xi = node as f64 / (E::NODES - 1) as f64;
-            let at = Self::point::<D>(xi, [0.0; 2]);
-            let read: [f64; S] = match E::VECTORS[a] {
-                NodalVector::Position => self.shape(at),
-                NodalVector::Slope(axis) => self.gradient(at, axis),
-            };
-            for (i, value) in read.into_iter().enumerate() {
-                let own = i == node * per_node + a;
-                let scale = match (E::VECTORS[a], E::VECTORS[i % per_node]) {
-                    (NodalVector::Slope(_), NodalVector::Position) => self.length,
-                    (NodalVector::Position, NodalVector::Slope(_)) => 1.0 / self.length,
-                    _ => 1.0,
-                };
-                worst = most(worst, (scale * (value - if own { 1.0 } else { 0.0 })).abs());
-            }
-        }
-        worst
-    }
-
-    /// Derivatives of the shape functions by `X_axis` (1/m).
-    fn gradient<const D: usize, const S: usize>(&self, at: [f64; D], axis: usize) -> [f64; S]
-    where
-        E: Element<D, S>,
-    {
-        let mut x = at.map(DualSVec::<f64, 1>::from_re);
-        x[axis] = x[axis].derivative(0);
-        let s = self.element.shape(DualSVec::lit(self.length), x);
-        s.map(|s| s.eps.0.map_or(0.0, |d| d[0] / self.length))
-    }
-
     /// Error of the field `r = X_axis` (over the length) from its nodal values.
     fn linear<const D: usize, const S: usize>(&self, axis: usize) -> f64
     where

@@ -4,9 +4,8 @@
 
 use nalgebra::DMatrix;
 
-use super::material::most;
 use super::{ByEnergy, ByForce, Limit, Report};
-use crate::element::{Element, NodalVector};
+use crate::element::{Element, NodalVector, most};
 use crate::error::{Error, Result};
 use crate::formulation::{Continuum, ElementKernel, Formulation, Reference};
 use crate::section::Section;
@@ -34,6 +33,7 @@ where
     F: Formulation<f64, E, D, S>,
     X: Section<f64>,
 {
+    crate::element::check_layout::<E, D, S>()?;
     let reference = Reference::straight(element, length, tilted());
     formulation.check(element, section)?;
     let kernel = || formulation.kernel(element, &reference, section);

@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::{ByEnergy, ByStress, Limit, Report};
+use crate::element::most;
 use crate::material::{Blocks, Material, SaintVenantKirchhoff, Tensor};
 use crate::scalar::{Algebra, Real};
 
@@ -225,11 +226,6 @@ fn smallest_modulus<R: Real, const D: usize>(c: &Blocks<R, D>) -> f64 {
         return f64::NAN;
     }
     SymmetricEigen::new(matrix).eigenvalues.min()
-}
-
-/// The larger of two, NaN if either is: a failed evaluation must not hide behind a good one.
-pub(super) fn most(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
 }
 
 /// The smaller of two, NaN if either is.

@@ -109,6 +109,24 @@ declared!(Underdeclared, 2, NODE, 2, 1, 1.0);
 declared!(Flat, 2, NODE, 3, 0, 1.0);
 declared!(Uncounted, 3, NODE, 3, 1, 1.0);
 declared!(OneNode, 1, TWO, 3, 1, 1.0);
+declared!(
+    Sloping,
+    2,
+    &[NODE[0], NODE[1], NodalVector::Slope(5)],
+    3,
+    1,
+    1.0
+);
+declared!(Repeated, 2, &[NODE[0], NODE[1], NODE[1]], 3, 1, 1.0);
+declared!(
+    Placeless,
+    2,
+    &[NODE[1], NODE[2], NodalVector::Slope(2)],
+    3,
+    1,
+    1.0
+);
+declared!(Percent, 2, NODE, 3, 1, 1.01);
 declared!(Undefined, 2, NODE, 3, 1, f64::NAN);
 
 const UNITY: &str = "sum of the position functions minus 1";
@@ -136,8 +154,11 @@ fn wrong_shape_functions_are_caught() {
         (report::<_, 3, 4>(BackwardCable), &[NODAL, LINEAR]),
         (report(Underdeclared), &[AXIAL]),
         (report(Flat), &[SECTION]),
-        (report(Uncounted), &["vectors beside nodes times vectors"]),
-        (report(OneNode), &["nodes of the element"]),
+        (report(Uncounted), &["nodes and nodal vectors"]),
+        (report(OneNode), &["nodes and nodal vectors"]),
+        (report(Sloping), &["nodes and nodal vectors"]),
+        (report(Repeated), &["nodes and nodal vectors"]),
+        (report(Placeless), &["nodes and nodal vectors"]),
     ]
     .into_iter()
     .map(|(report, only)| {
@@ -153,6 +174,33 @@ fn wrong_shape_functions_are_caught() {
     assert_each_check_catches(&verify::element::<_, 2, 6>(&Quadratic, 0.5), &wrong);
     assert_each_check_catches(&verify::element::<_, 2, 4>(&Cable, 0.5), &wrong);
     assert_fails(&verify::element::<_, 2, 4>(&Cable, f64::NAN), &["length"]);
+}
+
+/// No beam is made of what is no element, and no check of one panics or hangs.
+#[test]
+fn beams_of_wrong_elements_are_refused() {
+    fn refusal<E: Element<2, 6>>(element: E) -> String {
+        let rule = Continuum::full(rubber());
+        let beam = Beam::new(element, disk(), rule.clone()).straight([0.0; 2], [1.0, 0.0], 2);
+        let mut scene = Scene::<f64, 2>::new();
+        // The checks of a formulation find what they can find in wrong shape functions.
+        let _ = verify::formulation::<_, _, _, 2, 6>(&element, &rule, &disk(), 0.3);
+        scene.add(beam).unwrap_err().to_string()
+    }
+    for (message, says) in [
+        (refusal(Uncounted), "NODES times the VECTORS"),
+        (refusal(OneNode), "a node at each end"),
+        (refusal(Sloping), "Slope(5) in 2 dimensions"),
+        (refusal(Repeated), "Slope(0) twice"),
+        (refusal(Percent), "a sum of one by 1.0e-2"),
+        (refusal(Undefined), "a sum of one by NaN"),
+        (refusal(Wrong::Position), "a sum of one"),
+        (refusal(Wrong::Slope), "another Slope(0)"),
+        (refusal(Wrong::Bubble), "a sum of one"),
+        (refusal(WrongQuadratic::Twice), "another Slope(1)"),
+    ] {
+        assert!(message.contains(says), "{message}");
+    }
 }
 
 #[test]
