@@ -61,14 +61,14 @@ pub(crate) fn check<E: Element<D, S>, const D: usize, const S: usize>(element: &
         Err(Error::Unsupported { what, remedy })
     };
     let unity = kit.unity();
-    if !(unity < WRONG) {
+    if most(unity, WRONG) != WRONG {
         return wrong(format!(
             "an element whose position functions miss a sum of one by {unity:.1e}"
         ));
     }
     for (a, vector) in E::VECTORS.iter().enumerate() {
         let error = kit.nodal(a);
-        if !(error < WRONG) {
+        if most(error, WRONG) != WRONG {
             return wrong(format!(
                 "an element whose shape functions give a node another {vector:?} than its own, by {error:.1e}"
             ));
