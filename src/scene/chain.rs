@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, Reference, Tangent, mirror};
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::{BandMatrix, Matrix};
-use crate::tensor::sum;
+use crate::tensor::{add_times, sum};
 
 /// Elements in a row that share their end nodes. Coordinates are contiguous: element `n` reads one
 /// slice of the system's vector.
@@ -40,6 +40,8 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()>;
+    /// Adds `factor` times the mass matrix times accelerations; nothing without a density.
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]);
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
@@ -213,18 +215,22 @@ where
         }
     }
 
-    /// Calls `each` for groups of elements that fill the lanes: with the first element, the number
-    /// of elements, and their kernel and nodal displacements. The last group is filled up by its
+    /// Calls `each` for groups of elements that fill the lanes: with the elements, what they are made
+    /// of and their nodal vectors in `u`. The last group is filled up by its
     /// last element, so that all elements see the same arithmetic.
     #[inline(always)]
-    fn groups<L: Lanes<R>>(&self, u: &[R], mut each: impl FnMut(Range<usize>, &Kn, &[[L; D]; S])) {
+    fn groups<L: Lanes<R>>(
+        &self,
+        u: &[R],
+        mut each: impl FnMut(Range<usize>, &Link<R, Kn, D, S>, &[[L; D]; S]),
+    ) {
         let count = self.starts.len();
         for first in (0..count).step_by(L::WIDTH) {
             let last = count.min(first + L::WIDTH) - 1;
             let mut columns = [[L::zero(); D]; S];
             let start = |lane: usize| self.range(last.min(first + lane)).start;
             L::gather(u, start, columns.as_flattened_mut());
-            each(first..last + 1, &self.link(first).kernel, &columns);
+            each(first..last + 1, self.link(first), &columns);
         }
     }
 
@@ -256,10 +262,55 @@ where
         chain.groups::<L>(
             u,
             #[inline(always)]
-            |elements, kernel, u| {
+            |elements, link, u| {
                 let mut force = [[L::zero(); D]; S];
-                kernel.force(u, &mut force);
+                link.kernel.force(u, &mut force);
                 L::scatter(force.as_flattened(), q, chain.starts_in(elements));
+            },
+        );
+    }
+}
+
+/// Adds the mass matrices of a chain's elements times accelerations.
+struct Acceleration<'a, C, R> {
+    chain: &'a C,
+    factor: R,
+    a: &'a [R],
+    out: &'a mut [R],
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
+    for Acceleration<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self {
+            chain,
+            factor,
+            a,
+            out,
+        } = self;
+        chain.groups::<L>(
+            a,
+            #[inline(always)]
+            |elements, link, a| {
+                let Some(inertia) = &link.inertia else { return };
+                let mut force = [[L::zero(); D]; S];
+                for i in 0..S {
+                    for j in 0..S {
+                        // Sections about their centroid couple positions with no slope across.
+                        if !inertia.mass[i][j].is_zero() {
+                            add_times(&mut force[i], factor * inertia.mass[i][j], &a[j]);
+                        }
+                    }
+                }
+                L::scatter(force.as_flattened(), out, chain.starts_in(elements));
             },
         );
     }
@@ -290,28 +341,24 @@ where
         chain.groups::<L>(
             u,
             #[inline(always)]
-            |elements, kernel, u| {
+            |elements, link, u| {
                 let mut force = [[L::zero(); D]; S];
-                kernel.upper_tangent(u, &mut force, &mut tangent);
+                link.kernel.upper_tangent(u, &mut force, &mut tangent);
                 let start = chain.starts_in(elements);
                 let alone = |k: &Matrix<R>, lane: usize| {
                     start(lane).filter(|offset| !k.takes_blocks(*offset, S * D))
                 };
-                let whole = (0..L::WIDTH).all(|lane| alone(k, lane).is_none());
-                if !(whole && k.stored().is_symmetric()) {
+                if !k.stored().is_symmetric() {
                     mirror(&mut tangent);
                 }
                 let block = tangent.as_flattened().as_flattened().as_flattened();
                 if result.is_ok() {
                     result = k.add_blocks(S * D, block, &start);
                 }
-                if whole {
-                    return;
-                }
                 for lane in 0..L::WIDTH {
                     match alone(k, lane) {
                         Some(offset) if result.is_ok() => {
-                            result = add_lane::<R, L, D, S>(k, lane, offset, block);
+                            result = add_lane::<R, L, D, S>(k, lane, offset, &tangent);
                         }
                         _ => {}
                     }
@@ -322,21 +369,38 @@ where
     }
 }
 
-/// Adds the tangent of the element in one lane.
+/// Numbers in the widest registers of the smallest type.
+const MOST_LANES: usize = 16;
+
+/// Adds the tangent of the element in one lane, of which the upper triangle is given.
 #[inline(always)]
 fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     k: &mut Matrix<R>,
     lane: usize,
     offset: usize,
-    block: &[L],
+    tangent: &Tangent<L, D, S>,
 ) -> Result<()> {
-    let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-    let own = tangent
-        .as_flattened_mut()
-        .as_flattened_mut()
-        .as_flattened_mut();
-    L::scatter(block, own, |other| (other == lane).then_some(0));
-    k.add_block(offset, S * D, own)
+    let mut own: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
+    let mut lanes = [R::zero(); MOST_LANES];
+    for i in 0..S {
+        for c in 0..D {
+            for j in i..S {
+                for d in 0..D {
+                    tangent[i][c][j][d].store(&mut lanes);
+                    own[i][c][j][d] = lanes[lane];
+                }
+            }
+        }
+    }
+    let upper = k.takes_upper(offset, S * D);
+    if !upper {
+        mirror(&mut own);
+    }
+    let block = own.as_flattened().as_flattened().as_flattened();
+    match upper {
+        true => k.add_upper(offset, S * D, block),
+        false => k.add_block(offset, S * D, block),
+    }
 }
 
 impl<R, E, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, E, Kn, D, S>
@@ -385,6 +449,15 @@ where
             k.add_block(self.range(n).start, S * D, block)?;
         }
         Ok(())
+    }
+
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        self.run(Acceleration {
+            chain: self,
+            factor,
+            a,
+            out,
+        });
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {

@@ -243,6 +243,18 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
         Ok(())
     }
 
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        let range = self.offset..self.offset + self.vectors.len() * D;
+        let rows = out[range.clone()].chunks_exact_mut(D).zip(&self.moments);
+        for (out, moments) in rows {
+            for (a, m) in a[range.clone()].chunks_exact(D).zip(moments) {
+                for c in 0..D {
+                    out[c] += factor * *m * a[c];
+                }
+            }
+        }
+    }
+
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {
         let start = self.offset / D;
         mass.add_block(start, D + 1, &self.moments.concat())?;

@@ -74,6 +74,8 @@ pub struct System<R: Real, const D: usize> {
     measure: Vec<R>,
     /// Mass over nodal vectors (the same for every component).
     mass: Option<BandMatrix<R>>,
+    /// Point masses by the index of the nodal vector.
+    masses: Vec<(usize, R)>,
     /// Constant generalised force of gravity.
     weight: Option<Vec<R>>,
 }
@@ -152,9 +154,9 @@ impl<R: Real, const D: usize> System<R, D> {
             for body in &bodies {
                 body.elastic().inertia(&mut matrix, &mut first)?;
             }
-            for (vector, m) in masses {
-                matrix.add(vector, vector, m)?;
-                first[vector] += m;
+            for (vector, m) in &masses {
+                matrix.add(*vector, *vector, *m)?;
+                first[*vector] += *m;
             }
             mass = Some(matrix);
             if let Some(g) = gravity {
@@ -182,6 +184,7 @@ impl<R: Real, const D: usize> System<R, D> {
             reference,
             measure,
             mass,
+            masses,
             weight,
         };
         system.scale_constraints()?;

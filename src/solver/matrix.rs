@@ -67,19 +67,69 @@ impl<R: Real> Matrix<R> {
         })
     }
 
-    /// Adds `value` to the entries of the coordinates `i + c` and `j + c`, `c < n`, and to their
-    /// mirror images: a mass couples every component with itself alone.
-    pub(crate) fn add_alike(&mut self, i: usize, j: usize, n: usize, value: R) -> Result<()> {
+    /// Adds `factor` times the entries of a row that couples vectors of `n` coordinates component by
+    /// component, and their mirror images: those of the vector from coordinate `i` on with the vectors
+    /// from coordinate `j >= i` on.
+    pub(crate) fn add_alike(
+        &mut self,
+        i: usize,
+        j: usize,
+        n: usize,
+        factor: R,
+        row: &[R],
+    ) -> Result<()> {
         let Self { unknowns, stored } = self;
-        if let (Some(p), Some(q), Some(envelope)) =
-            (unknowns.run(i, n), unknowns.run(j, n), stored.envelope())
+        if let (Some(p), Some(q), Some(envelope)) = (
+            unknowns.run(i, n),
+            unknowns.run(j, n * row.len()),
+            stored.envelope(),
+        ) && envelope.is_symmetric()
         {
-            return (0..n).try_for_each(|c| envelope.add_mirrored(p + c, q + c, value));
+            return envelope.add_alike(p, q, n, factor, row);
         }
-        for c in 0..n {
-            self.add(i + c, j + c, value)?;
-            if i != j {
-                self.add(j + c, i + c, value)?;
+        for (t, m) in row.iter().enumerate() {
+            for (i, j) in (i..i + n).zip(j + t * n..) {
+                self.add(i, j, factor * *m)?;
+                if i != j {
+                    self.add(j, i, factor * *m)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether [`add_upper`](Self::add_upper) adds the matrix of an element of `n` coordinates from
+    /// `offset` on: each of them is an unknown or held, and the unknowns are numbered upwards.
+    pub(crate) fn takes_upper(&self, offset: usize, n: usize) -> bool {
+        let mut next = 0;
+        let mut ordered = |i| match self.unknowns.combination(i) {
+            Combination::Unknown(q) => q >= std::mem::replace(&mut next, q + 1),
+            Combination::Sum(terms) => terms.is_empty(),
+        };
+        self.stored.is_symmetric()
+            && !self.stored.is_sparse()
+            && (offset..offset + n).all(&mut ordered)
+    }
+
+    /// Adds the matrix of an element of `n` coordinates from `offset` on, of which the upper triangle
+    /// of a row-major `block` is read.
+    pub(crate) fn add_upper(&mut self, offset: usize, n: usize, block: &[R]) -> Result<()> {
+        let Self { unknowns, stored } = self;
+        let Some(envelope) = stored.envelope() else {
+            return Ok(());
+        };
+        for (i, row) in block.chunks_exact(n).enumerate() {
+            let Combination::Unknown(p) = unknowns.combination(offset + i) else {
+                continue;
+            };
+            let mut j = i;
+            while j < n {
+                let Some(run) = unknowns.stretch(offset + j, n - j) else {
+                    j += 1;
+                    continue;
+                };
+                envelope.add_row(p, run.start, &row[j..j + run.len()])?;
+                j += run.len();
             }
         }
         Ok(())

@@ -55,8 +55,6 @@ pub(crate) struct Workspace<R> {
     held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
     current: bool,
-    /// What rounding of the internal forces may leave at the state of the last tangent.
-    floor: R,
     /// The largest force met first in this solve; zero as long as there was none.
     force: R,
     /// The largest natural size of a coordinate.
@@ -102,7 +100,6 @@ impl<R: Real> Workspace<R> {
             factored: false,
             held_mass: false,
             current: false,
-            floor: R::zero(),
             force: R::zero(),
             size: structure
                 .measure()
@@ -144,7 +141,6 @@ impl<R: Real> Workspace<R> {
         let mut factored = kept && self.factored;
         tape.flag(&mut factored)?;
         if factored {
-            tape.number(&mut self.floor)?;
             self.factor.history(tape)?;
             self.factored = true;
             self.held_mass = false;
@@ -251,9 +247,13 @@ impl<R: Real> Workspace<R> {
             let small = balance
                 .residual
                 .at_most(balance.scale * R::lit(settings.residual));
-            let floor = self.leftover(&balance);
-            let mut at_floor =
-                balance.residual.at_most(floor) & corrected_by(NEAR) & !fell_to(STALLED);
+            let solved_for = small & corrected_by(settings.correction);
+            let stalled = open & !solved_for & corrected_by(NEAR) & !fell_to(STALLED);
+            let mut at_floor = Mask::NONE;
+            if stalled.any() {
+                let floor = self.leftover(structure, &equations, &balance, u)?;
+                at_floor = stalled & balance.residual.at_most(floor);
+            }
             rises += R::zero().where_else(fell_to(1.0), R::one());
             // Only a solve that gets nowhere pays for this bound. Along a path a state accepted so
             // may lie on another branch: there a shorter step is tried.
@@ -267,7 +267,7 @@ impl<R: Real> Workspace<R> {
                 let rounding = self.rounding(structure, structure.measure())? / self.unit();
                 at_floor |= stuck & balance.residual.at_most(rounding);
             }
-            let done = open & ((small & corrected_by(settings.correction)) | at_floor);
+            let done = open & (solved_for | at_floor);
             if done.any() {
                 if open.all() {
                     solved.fewest = solved.iterations;
@@ -356,7 +356,6 @@ impl<R: Real> Workspace<R> {
         self.forget();
         self.tangent.clear();
         self.add_tangent(structure, equations, u)?;
-        self.floor = self.rounding(structure, u)?;
         if let Some((rate, _)) = equations.inertia {
             structure.add_mass(rate, &mut self.tangent)?;
         }

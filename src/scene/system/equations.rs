@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::System;
 use crate::element::NodalVector;
 use crate::error::{Error, Result};
-use crate::scalar::{Loops, Real};
+use crate::scalar::Real;
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
 use crate::solver::{Matrix, Rate, Secant, Structure, Unknowns};
@@ -237,26 +237,17 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
-        let Some(mass) = &self.mass else { return };
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for i in 0..mass.size() {
-                    let (first, row) = mass.row(i);
-                    for (j, m) in (first..).zip(row) {
-                        let m = factor * *m;
-                        for c in 0..D {
-                            out[i * D + c] += m * a[j * D + c];
-                        }
-                        if i != j {
-                            for c in 0..D {
-                                out[j * D + c] += m * a[i * D + c];
-                            }
-                        }
-                    }
-                }
-            },
-        ));
+        if self.mass.is_none() {
+            return;
+        }
+        for body in &self.bodies {
+            body.elastic().add_mass_times(factor, a, out);
+        }
+        for (vector, m) in &self.masses {
+            for i in vector * D..(vector + 1) * D {
+                out[i] += factor * *m * a[i];
+            }
+        }
     }
 
     fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
@@ -265,9 +256,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         };
         for i in 0..mass.size() {
             let (first, row) = mass.row(i);
-            for (j, m) in (first..).zip(row) {
-                k.add_alike(i * D, j * D, D, factor * *m)?;
-            }
+            k.add_alike(i * D, first * D, D, factor, row)?;
         }
         Ok(())
     }

@@ -136,15 +136,33 @@ impl<R: Real> BandMatrix<R> {
         Ok(())
     }
 
-    /// Adds `value` to the entries `(i, j)` and `(j, i)`, once if they are one.
-    #[inline]
-    pub(in crate::solver) fn add_mirrored(&mut self, i: usize, j: usize, value: R) -> Result<()> {
-        let (row, column) = (i.max(j), i.min(j));
-        self.add(row, column, value)?;
-        match self.symmetric || i == j {
-            true => Ok(()),
-            false => self.add(column, row, value),
+    /// Adds `factor` times a row that couples vectors of `n` unknowns component by component to a
+    /// symmetric matrix: the vector from unknown `p` on with those from unknown `q >= p` on.
+    pub(in crate::solver) fn add_alike(
+        &mut self,
+        p: usize,
+        q: usize,
+        n: usize,
+        factor: R,
+        row: &[R],
+    ) -> Result<()> {
+        let last = q + n * row.len() - 1;
+        if !self.profile.contains(last, p) {
+            return Err(Error::OutsideProfile {
+                row: last,
+                column: p,
+            });
         }
+        let start = self.index(q, p);
+        let stride = self.width;
+        for (t, m) in row.iter().enumerate() {
+            // Sections about their centroid couple positions with no slope across.
+            if !m.is_zero() {
+                let entries = self.data[start + t * n..].iter_mut().step_by(stride);
+                entries.take(n).for_each(|entry| *entry += factor * *m);
+            }
+        }
+        Ok(())
     }
 
     /// Adds the matrix of an element whose `n` unknowns are numbered consecutively from

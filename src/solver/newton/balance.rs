@@ -114,8 +114,21 @@ impl<R: Real> Workspace<R> {
     }
 
     /// What rounding may leave of a balance.
-    pub(super) fn leftover(&self, balance: &Balance<R>) -> R {
-        self.floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON)
+    pub(super) fn leftover<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        balance: &Balance<R>,
+        u: &[R],
+    ) -> Result<R> {
+        // With inertia the tangent at hand holds the mass, too. Few solves come to ask, so it is not
+        // found before.
+        if equations.inertia.is_some() {
+            self.tangent.clear();
+            self.add_tangent(structure, equations, u)?;
+        }
+        let floor = self.rounding(structure, u)?;
+        Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
     }
 
     /// Norm of the forces that the tangent makes of a rounding unit of numbers of the sizes given:

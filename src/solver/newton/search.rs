@@ -38,7 +38,8 @@ impl<R: Real> Workspace<R> {
             let known = balance.residual.finite() && left.finite();
             let closed = balance.scale * R::lit(settings.residual);
             let enough = left >= -work * R::lit(SLACK)
-                || balance.residual <= closed.larger(self.leftover(&balance));
+                || balance.residual <= closed
+                || balance.residual <= self.leftover(structure, equations, &balance, u)?;
             // Along a direction in which the energy grows there is nothing to find.
             if (known && enough) || work <= R::zero() {
                 break;
