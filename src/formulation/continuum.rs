@@ -1,13 +1,13 @@
 //! Continuum beams: a material sampled over the volume of the element by an axial Gauss rule
 //! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
 //! of [`Layer`]s: which part of the material is sampled with which rule. Where the elasticity is
-//! constant the rule enters by its moments alone, and layers with the same axial points are one.
+//! constant all layers are integrated once, when the kernel is made.
 
-use super::law::{PointSection, SectionLaw, SectionStiffness};
-use super::moments::MomentSection;
+use super::gram::{Form, GramKernel};
+use super::law::PointSection;
 use super::rank::{Stocky, check_rank};
 use super::sampled::{SampledKernel, section_samples};
-use super::{Formulation, Reference, section_points};
+use super::{ElementKernel, Formulation, Reference, Tangent, section_points};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::material::{Material, PoissonSplit};
@@ -145,92 +145,95 @@ impl<M: PoissonSplit> Continuum<M> {
     }
 }
 
-/// A material integrated over the section: by moments where its elasticity is constant and the
-/// reference straight, at section points otherwise.
+/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`.
 #[derive(Debug, Clone)]
-pub enum ContinuumSection<R, M, const D: usize> {
-    /// Integrated once and for all.
-    Moments(MomentSection<R, D, false>),
-    /// The same for a section symmetric about its axes.
-    Symmetric(MomentSection<R, D, true>),
+pub enum ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> {
+    /// Constant elasticity in every layer: integrated once and for all.
+    Constant(GramKernel<R, D, S>),
     /// Sampled at every evaluation.
-    Points(PointSection<R, M, D>),
+    Sampled(SampledKernel<R, PointSection<R, M, D>, D, S, K>),
 }
 
-impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for ContinuumSection<R, M, D>
+/// Calls a method of the kernel there is.
+macro_rules! of_either {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match $self {
+            Self::Constant(kernel) => kernel.$method($($argument),*),
+            Self::Sampled(kernel) => kernel.$method($($argument),*),
+        }
+    };
+}
+
+impl<R, M, const D: usize, const S: usize, const K: usize> ElementKernel<R, D, S>
+    for ContinuumKernel<R, M, D, S, K>
 where
     R: Real,
     M: Material<R, D>,
 {
     #[inline(always)]
-    fn dispatch<'a, W: LaneWork<R>>(
-        mut laws: impl Iterator<Item = &'a Self>,
-        work: W,
-    ) -> W::Output {
-        match laws.all(|law| !matches!(law, Self::Points(_))) {
-            true => R::dispatch(work),
-            false => work.run::<R>(),
-        }
+    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        of_either!(self.dispatch(work))
     }
 
     #[inline(always)]
-    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
-        match self {
-            Self::Symmetric(law) => law.energy(reference, h),
-            Self::Moments(law) => law.energy(reference, h),
-            Self::Points(law) => law.energy(reference, h),
-        }
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        of_either!(self.energy(u))
     }
 
     #[inline(always)]
-    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
-        match self {
-            Self::Symmetric(law) => law.resultants(reference, h),
-            Self::Moments(law) => law.resultants(reference, h),
-            Self::Points(law) => law.resultants(reference, h),
-        }
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        of_either!(self.force(u, q));
+    }
+
+    #[inline(always)]
+    fn tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.tangent(u, q, k));
+    }
+
+    #[inline(always)]
+    fn upper_tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.upper_tangent(u, q, k));
     }
 
     fn has_strain(&self) -> bool {
-        true
+        of_either!(self.has_strain())
     }
 
     #[inline(always)]
     fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
-        reference: &[[R; D]; K],
-        from: &[[T; D]; K],
-        to: &[[T; D]; K],
-    ) -> [[T; D]; K] {
-        match self {
-            Self::Symmetric(law) => law.secant(viscosity, reference, from, to),
-            Self::Moments(law) => law.secant(viscosity, reference, from, to),
-            Self::Points(law) => law.secant(viscosity, reference, from, to),
-        }
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        of_either!(self.secant(viscosity, from, to, q));
     }
 
     #[inline(always)]
-    fn stiffness<T: Algebra<R>>(
+    fn secant_tangent<T: Algebra<R>>(
         &self,
-        reference: &[[R; D]; K],
-        h: &[[T; D]; K],
-        k: &mut SectionStiffness<T, D, K>,
-    ) -> [[T; D]; K] {
-        match self {
-            Self::Symmetric(law) => law.stiffness(reference, h, k),
-            Self::Moments(law) => law.stiffness(reference, h, k),
-            Self::Points(law) => law.stiffness(reference, h, k),
-        }
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.secant_tangent(viscosity, from, to, k));
     }
 }
 
-/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`.
-pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> =
-    SampledKernel<R, ContinuumSection<R, M, D>, D, S, K>;
-
 impl<M> Continuum<M> {
-    fn sampled_kernel<R, E, const D: usize, const S: usize, const K: usize>(
+    fn kernel_of<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
         reference: &Reference<R, D, S>,
@@ -250,43 +253,28 @@ impl<M> Continuum<M> {
             });
         }
         let samples = section_samples(element, reference.length)?;
-        let mut laws: Vec<(usize, ContinuumSection<R, M, D>)> = Vec::new();
-        for layer in &self.layers {
-            let points = match layer.across {
-                Across::Degree(degree) => section_points(section, degree)?,
-                Across::Centroid => vec![centroid(section)?],
-            };
-            let straight = reference.is_straight();
-            let elasticity = layer.material.constant_elasticity().filter(|_| straight);
-            let Some(moduli) = elasticity else {
-                let law = PointSection::new(layer.material.clone(), points, straight);
-                laws.push((layer.axial, ContinuumSection::Points(law)));
-                continue;
-            };
-            let same = laws.iter_mut().find_map(|(axial, law)| match law {
-                ContinuumSection::Moments(law) if *axial == layer.axial => Some(law),
-                _ => None,
-            });
-            match same {
-                Some(law) => law.add(&moduli, &points),
-                None => {
-                    let mut law = MomentSection::new();
-                    law.add(&moduli, &points);
-                    laws.push((layer.axial, ContinuumSection::Moments(law)));
-                }
+        let points = |layer: &Layer<M>| match layer.across {
+            Across::Degree(degree) => section_points(section, degree),
+            Across::Centroid => Ok(vec![centroid(section)?]),
+        };
+        let moduli = |layer: &Layer<M>| layer.material.constant_elasticity();
+        if let Some(moduli) = self.layers.iter().map(moduli).collect::<Option<Vec<_>>>() {
+            let mut form = Form::new();
+            for (layer, moduli) in self.layers.iter().zip(moduli) {
+                let axial = gauss_legendre(layer.axial)?;
+                let points = points(layer)?;
+                form.add((element, reference), samples, &axial, &moduli, &points);
             }
+            return Ok(ContinuumKernel::Constant(form.kernel::<E>(reference)));
         }
         let mut kernel = SampledKernel::new();
-        for (axial, mut law) in laws {
-            if let ContinuumSection::Moments(moments) = &law
-                && let Some(symmetric) = moments.symmetric()
-            {
-                law = ContinuumSection::Symmetric(symmetric);
-            }
-            let axial = gauss_legendre(axial)?;
+        for layer in &self.layers {
+            let straight = reference.is_straight();
+            let law = PointSection::new(layer.material.clone(), points(layer)?, straight);
+            let axial = gauss_legendre(layer.axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
-        Ok(kernel)
+        Ok(ContinuumKernel::Sampled(kernel))
     }
 }
 
@@ -319,7 +307,7 @@ macro_rules! dimension {
                 reference: &Reference<R, $d, S>,
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
-                self.sampled_kernel(element, reference, section)
+                self.kernel_of(element, reference, section)
             }
 
             fn resampled(&self, axial: usize, section_degree: usize) -> Option<Self> {

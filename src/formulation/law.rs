@@ -444,7 +444,7 @@ where
 /// [`turned`], and the reference volume per volume of coordinates. The frame has its axes 1 and 2
 /// in the section, the first of them along the first cross slope.
 #[inline(always)]
-fn material_frame<R: Real, const D: usize>(initial: &[[R; D]; D]) -> ([[R; D]; D], R) {
+pub(super) fn material_frame<R: Real, const D: usize>(initial: &[[R; D]; D]) -> ([[R; D]; D], R) {
     // A planar gradient is one in space with the normal for its third column.
     let c: [[R; 3]; 3] = std::array::from_fn(|a| {
         std::array::from_fn(|i| match (a < D, i < D) {

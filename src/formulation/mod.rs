@@ -7,9 +7,9 @@ mod cable;
 mod change;
 mod co_moving;
 mod continuum;
+mod gram;
 mod inertia;
 mod law;
-mod moments;
 mod rank;
 mod relative;
 mod sampled;
@@ -17,11 +17,11 @@ mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use co_moving::{CoMoving, CoMovingKernel};
-pub use continuum::{Across, Continuum, ContinuumKernel, ContinuumSection, Layer};
+pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
+pub use gram::GramKernel;
 pub use inertia::Inertia;
 pub(crate) use law::varied;
 pub use law::{PointSection, SectionLaw, SectionStiffness};
-pub use moments::MomentSection;
 pub(crate) use sampled::derivatives;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
@@ -51,6 +51,21 @@ pub(crate) fn mirror<T: Scalar, const D: usize, const S: usize>(k: &mut Tangent<
                 }
             }
         }
+    }
+}
+
+/// Adds a symmetric tangent of which `upper` gives the blocks with `i <= j`.
+#[inline(always)]
+fn mirrored<T: Scalar, const D: usize, const S: usize>(
+    k: &mut Tangent<T, D, S>,
+    upper: impl FnOnce(&mut Tangent<T, D, S>),
+) {
+    let mut whole = [[[[T::zero(); D]; S]; D]; S];
+    upper(&mut whole);
+    mirror(&mut whole);
+    let sums = k.as_flattened_mut().as_flattened_mut();
+    for (k, row) in sums.iter_mut().zip(whole.as_flattened().as_flattened()) {
+        *k = sum(k, row);
     }
 }
 

@@ -10,12 +10,12 @@ use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
 use super::relative::Positions;
-use super::{ElementKernel, Reference, Tangent, mirror};
+use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, LaneWork, Real};
-use crate::tensor::{add_scaled, add_times, array, sum, times};
+use crate::tensor::{add_scaled, add_times, array, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -343,13 +343,7 @@ where
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let mut upper = [[[[T::zero(); D]; S]; D]; S];
-        self.upper_tangent(u, q, &mut upper);
-        mirror(&mut upper);
-        let sums = k.as_flattened_mut().as_flattened_mut();
-        for (k, row) in sums.iter_mut().zip(upper.as_flattened().as_flattened()) {
-            *k = sum(k, row);
-        }
+        mirrored(k, |upper| self.upper_tangent(u, q, upper));
     }
 
     #[inline(always)]
@@ -447,7 +441,13 @@ pub(crate) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: us
 }
 
 /// The operator of a station on the axis at the natural coordinate `xi`.
-fn operator<R: Real, E: Element<D, S>, const D: usize, const S: usize, const K: usize>(
+pub(super) fn operator<
+    R: Real,
+    E: Element<D, S>,
+    const D: usize,
+    const S: usize,
+    const K: usize,
+>(
     element: &E,
     length: R,
     xi: R,

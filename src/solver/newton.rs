@@ -57,8 +57,11 @@ pub(crate) struct Workspace<R> {
     current: bool,
     /// The largest force met first in this solve; zero as long as there was none.
     force: R,
-    /// The largest natural size of a coordinate.
-    size: R,
+    /// Natural sizes of the unknowns over the largest of any coordinate.
+    weights: Vec<R>,
+    /// Reciprocals of the natural sizes of all coordinates; zero for multipliers, which have none: the
+    /// residual tells about them.
+    per_size: Vec<R>,
     internal: Vec<R>,
     external: Vec<R>,
     inertia: Vec<R>,
@@ -94,6 +97,13 @@ impl<R: Real> Workspace<R> {
         let unknowns = structure.unknowns();
         let symmetric = structure.symmetric();
         let zeros = || vec![R::zero(); unknowns.coordinates()];
+        let measure = structure.measure();
+        let size = measure.iter().copied().fold(R::zero(), R::larger);
+        let multipliers = structure.multipliers();
+        let per_size = |(i, size): (usize, &R)| match multipliers.contains(&i) {
+            true => R::zero(),
+            false => R::one() / *size,
+        };
         Self {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
@@ -101,11 +111,8 @@ impl<R: Real> Workspace<R> {
             held_mass: false,
             current: false,
             force: R::zero(),
-            size: structure
-                .measure()
-                .iter()
-                .copied()
-                .fold(R::zero(), R::larger),
+            weights: unknowns.free().iter().map(|&i| measure[i] / size).collect(),
+            per_size: measure.iter().enumerate().map(per_size).collect(),
             internal: zeros(),
             external: zeros(),
             inertia: zeros(),
@@ -319,7 +326,7 @@ impl<R: Real> Workspace<R> {
                     self.unconverged(solved, "the step leads to no point of the path")
                 })?;
             }
-            correction = Some(self.correct(structure, open, u));
+            correction = Some(self.correct(open, u));
             solved.iterations += 1;
         }
     }
@@ -413,18 +420,14 @@ impl<R: Real> Workspace<R> {
 
     /// Applies the correction in `scratch` to the lanes that are `open` and returns its largest
     /// component in natural sizes.
-    fn correct<S: Structure<R> + ?Sized>(&mut self, structure: &S, open: Mask, u: &mut [R]) -> R {
+    fn correct(&mut self, open: Mask, u: &mut [R]) -> R {
         let mut largest = R::zero();
         let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
-        let multipliers = structure.multipliers();
-        for (i, (((u, moved), du), measure)) in corrected.zip(structure.measure()).enumerate() {
+        for (((u, moved), du), per_size) in corrected.zip(&self.per_size) {
             let du = du.where_else(open, R::zero());
             *u += du;
             *moved += du;
-            // Multipliers have no natural size; the residual tells about them.
-            if !multipliers.contains(&i) {
-                largest = largest.larger((du / *measure).abs());
-            }
+            largest = largest.larger((du * *per_size).abs());
         }
         largest
     }

@@ -58,7 +58,6 @@ impl<R: Real> Workspace<R> {
         structure: &S,
         inertia: bool,
     ) -> Balance<R> {
-        let measure = structure.measure();
         let unknowns = structure.unknowns();
         unknowns.reduce(&mut self.external);
         unknowns.reduce(&mut self.internal);
@@ -76,22 +75,22 @@ impl<R: Real> Workspace<R> {
             }
             self.force = largest.where_else(open, self.force);
         }
-        let (force, size) = (self.unit(), self.size);
+        let unit = R::one() / self.unit();
         let squares = R::dispatch(Loops(
             #[inline(always)]
             || {
                 let mut squares = [R::zero(); 4];
-                for &i in unknowns.free() {
+                for (&i, weight) in unknowns.free().iter().zip(&self.weights) {
                     let (external, internal) = (self.external[i], self.internal[i]);
                     let inertia = if inertia { self.inertia[i] } else { R::zero() };
                     let residual = external - internal - inertia;
                     self.scratch[i] = residual;
-                    let size = measure[i] / size;
+                    // Twice a factor, and not by their product, which leaves the range of singles.
                     for (square, part) in squares
                         .iter_mut()
                         .zip([residual, external, internal, inertia])
                     {
-                        let part = part / force * size;
+                        let part = part * unit * *weight;
                         *square += part * part;
                     }
                 }
@@ -160,10 +159,10 @@ impl<R: Real> Workspace<R> {
                 }
             }
         }
-        let (force, size) = (self.unit(), self.size);
+        let force = self.unit();
         let mut square = R::zero();
-        for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
-            let part = *rounded / force * (measure[i] / size);
+        for (rounded, weight) in self.rounded.iter().zip(&self.weights) {
+            let part = *rounded / force * *weight;
             square += part * part;
         }
         Ok(norm(square) * R::lit(R::EPSILON) * self.unit())

@@ -1,0 +1,506 @@
+//! The kernel of materials with constant elasticity. Green-Lagrange strain is linear in the scalar
+//! products of an element's nodal vectors, at every point and whatever the element, its reference
+//! shape and its section are: the strain energy is a quadratic form in the changes of these products.
+//! The rule is run once, when the kernel is made; exact sections, reduced rules and a Poisson part on
+//! the axis alone differ in the numbers of the form only and cost the same.
+
+use super::law::{first_column, material_frame};
+use super::relative::Positions;
+use super::sampled::{Sample, operator};
+use super::{ElementKernel, Reference, Tangent, mirrored};
+use crate::element::Element;
+use crate::material::Moduli;
+use crate::quadrature::Cubature;
+use crate::scalar::{Algebra, LaneWork, Real};
+use crate::tensor::{add_scaled, add_times, array, between, dot};
+
+/// Scalar products that couple with one another, and with no others: where a section is symmetric,
+/// stretching, bending about each axis and torsion part.
+#[derive(Debug, Clone, PartialEq)]
+struct Group<R> {
+    /// Pairs `i <= j` of nodal vectors, as `i S + j`.
+    pairs: Vec<usize>,
+    /// The quadratic form over them, row by row (J).
+    form: Vec<R>,
+}
+
+/// The block of the tangent between two nodal vectors: a sum of dyads of nodal vectors.
+#[derive(Debug, Clone, PartialEq)]
+struct Block<R> {
+    row: usize,
+    column: usize,
+    /// The left vector of some dyads, and how many of `right` follow those before.
+    left: Vec<(usize, usize)>,
+    /// Right vectors with their factors.
+    right: Vec<(usize, R)>,
+}
+
+/// Strain energy as half a quadratic form in the changes `g_ij = v_i . v_j - v0_i . v0_j`, halved for
+/// `i = j`, of the scalar products of nodal vectors, positions relative to the first.
+///
+/// With `sigma = C g`, the force on `v_i` is `sum_j sigma_ij v_j` and its derivative by `v_j`
+/// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. The changes are formed from displacements `h`, as
+/// `h_i . v_j + v0_i . h_j`, and keep their digits on slender beams.
+#[derive(Debug, Clone)]
+pub struct GramKernel<R, const D: usize, const S: usize> {
+    /// Nodal vectors in the reference state, positions relative to the first.
+    reference: [[R; D]; S],
+    groups: Vec<Group<R>>,
+    blocks: Vec<Block<R>>,
+    positions: Positions<S>,
+    /// How many nodal vectors come before the first that is met.
+    unmet: usize,
+}
+
+/// The quadratic form while parts are added to it: `[i][j][k][l]` between the pairs `i <= j` and
+/// `k <= l`.
+pub(super) struct Form<R, const D: usize, const S: usize>(Vec<[[[R; S]; S]; S]>);
+
+impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
+    pub(super) fn new() -> Self {
+        Self(vec![[[[R::zero(); S]; S]; S]; S])
+    }
+
+    /// Adds constant moduli at the section points `(0, y[, z])` (m) with weights (m^2), at the
+    /// points of `axial`, a rule on [0, 1] along the element. `K = 2 D - 1` samples as those of
+    /// [`PointSection`](super::PointSection).
+    pub(super) fn add<E: Element<D, S>, const K: usize>(
+        &mut self,
+        (element, reference): (&E, &Reference<R, D, S>),
+        samples: [Sample; K],
+        axial: &Cubature<R, 1>,
+        moduli: &Moduli<R, D>,
+        points: &[([R; D], R)],
+    ) {
+        let positions = Positions::<S>::of::<E, D>();
+        for ([xi], along) in axial.iter() {
+            let absolute = operator(element, reference.length, xi, samples);
+            let mut rows = absolute;
+            rows.iter_mut()
+                .for_each(|row| positions.make_relative_row(row));
+            for (y, area) in points {
+                let mut weight = along * reference.length * *area;
+                let mut columns = gradient_rows(&rows, y);
+                if !reference.is_straight() {
+                    let initial = gradient_rows(&absolute, y).map(|row| {
+                        let mut g = [R::zero(); D];
+                        for i in 0..S {
+                            add_scaled(&mut g, row[i], &reference.vectors[i]);
+                        }
+                        g
+                    });
+                    let (map, volume) = material_frame(&initial);
+                    weight *= volume;
+                    columns = array(|a| {
+                        array(|i| (0..D).fold(R::zero(), |s, k| s + map[a][k] * columns[k][i]))
+                    });
+                }
+                self.add_point(moduli, &columns, weight);
+            }
+        }
+    }
+
+    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`.
+    fn add_point(&mut self, moduli: &Moduli<R, D>, columns: &[[R; S]; D], weight: R) {
+        // How a strain depends on the products: `E_aa`, and `2 E_ab`.
+        let strain = |a: usize, b: usize, i: usize, j: usize| match a == b {
+            true => columns[a][i] * columns[a][j],
+            false => columns[a][i] * columns[b][j] + columns[a][j] * columns[b][i],
+        };
+        let mut strains = [[[[R::zero(); S]; S]; D]; D];
+        let mut stresses = strains;
+        for i in 0..S {
+            for j in i..S {
+                for a in 0..D {
+                    for b in a..D {
+                        strains[a][b][i][j] = strain(a, b, i, j);
+                        stresses[a][b][i][j] = weight
+                            * match a == b {
+                                true => (0..D).fold(R::zero(), |s, c| {
+                                    s + moduli.normal[a][c] * strain(c, c, i, j)
+                                }),
+                                false => moduli.shear[a][b] * strain(a, b, i, j),
+                            };
+                    }
+                }
+            }
+        }
+        for i in 0..S {
+            for j in i..S {
+                for a in 0..D {
+                    for b in a..D {
+                        let stress = stresses[a][b][i][j];
+                        if stress.is_zero() && R::ORDER == 0 {
+                            continue;
+                        }
+                        for k in 0..S {
+                            for l in k..S {
+                                self.0[i][j][k][l] += stress * strains[a][b][k][l];
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Which products couple, by groups.
+    fn groups(&self) -> Vec<Group<R>> {
+        let small = R::lit(64.0 * R::EPSILON);
+        let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
+        let entry = |p: usize, q: usize| {
+            // One triangle, so that the form is symmetric to the last digit.
+            let ((i, j), (k, l)) = (all[p.min(q)], all[p.max(q)]);
+            self.0[i][j][k][l]
+        };
+        let met = |p: &usize| !(entry(*p, *p).is_zero() && R::ORDER == 0);
+        let couples = |p: usize, q: usize| {
+            // An entry that vanishes may have a derivative that does not.
+            let (own, other) = (entry(p, p).abs(), entry(q, q).abs());
+            let bound = small * own.sqrt() * other.sqrt();
+            R::ORDER > 0 || !entry(p, q).abs().at_most(bound).all()
+        };
+        let mut left: Vec<usize> = (0..all.len()).filter(met).collect();
+        let mut groups = Vec::new();
+        while let Some(first) = left.first().copied() {
+            let mut group = vec![first];
+            left.remove(0);
+            let mut n = 0;
+            while n < group.len() {
+                let (more, others) = left.iter().partition(|q| couples(group[n], **q));
+                left = others;
+                group.extend::<Vec<usize>>(more);
+                n += 1;
+            }
+            group.sort_unstable();
+            let row = |p: &usize| group.iter().map(|q| entry(*p, *q)).collect::<Vec<_>>();
+            groups.push(Group {
+                form: group.iter().flat_map(row).collect(),
+                pairs: group.iter().map(|p| all[*p].0 * S + all[*p].1).collect(),
+            });
+        }
+        groups
+    }
+
+    /// The kernel with the energy of what was added.
+    pub(super) fn kernel<E: Element<D, S>>(
+        &self,
+        reference: &Reference<R, D, S>,
+    ) -> GramKernel<R, D, S> {
+        let positions = Positions::of::<E, D>();
+        let mut vectors = reference.vectors;
+        positions.make_relative(&mut vectors);
+        let groups = self.groups();
+        let mut blocks = Vec::new();
+        for row in 0..S {
+            for column in row..S {
+                blocks.push(Block::new::<S>(row, column, &groups));
+            }
+        }
+        let pairs = groups.iter().flat_map(|group| &group.pairs);
+        GramKernel {
+            reference: vectors,
+            unmet: pairs.map(|pair| pair / S).min().unwrap_or(S),
+            groups,
+            blocks,
+            positions,
+        }
+    }
+}
+
+/// Rows of the gradient's columns at a section point over nodal vectors.
+fn gradient_rows<R: Real, const D: usize, const S: usize, const K: usize>(
+    rows: &[[R; S]; K],
+    y: &[R; D],
+) -> [[R; S]; D] {
+    let mut columns: [[R; S]; D] = array(|a| rows[a]);
+    for m in 1..D {
+        add_scaled(&mut columns[0], y[m], &rows[first_column::<D>(m)]);
+    }
+    columns
+}
+
+impl<R: Real> Block<R> {
+    fn new<const S: usize>(row: usize, column: usize, groups: &[Group<R>]) -> Self {
+        let other = |pair: usize, of: usize| match (pair / S == of, pair % S == of) {
+            (true, _) => Some(pair % S),
+            (_, true) => Some(pair / S),
+            _ => None,
+        };
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        for group in groups {
+            for (p, pair) in group.pairs.iter().enumerate() {
+                let Some(k) = other(*pair, row) else { continue };
+                let before = right.len();
+                for (q, pair) in group.pairs.iter().enumerate() {
+                    let value = group.form[p * group.pairs.len() + q];
+                    let nothing = value.is_zero() && R::ORDER == 0;
+                    if let Some(l) = other(*pair, column).filter(|_| !nothing) {
+                        right.push((l, value));
+                    }
+                }
+                if right.len() > before {
+                    left.push((k, right.len() - before));
+                }
+            }
+        }
+        Self {
+            row,
+            column,
+            left,
+            right,
+        }
+    }
+
+    /// Adds the dyads of vectors out of two sets.
+    #[inline(always)]
+    fn add_dyads<T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        (lefts, rights): (&[[T; D]; S], &[[T; D]; S]),
+        block: &mut [[T; D]; D],
+    ) {
+        let mut right = self.right.iter();
+        for (k, count) in &self.left {
+            let mut along = [T::zero(); D];
+            for (l, value) in right.by_ref().take(*count) {
+                // The minima are identities; they let the optimiser drop the bounds checks.
+                add_times(&mut along, *value, &rights[(*l).min(S - 1)]);
+            }
+            let left = &lefts[(*k).min(S - 1)];
+            for c in 0..D {
+                add_scaled(&mut block[c], left[c], &along);
+            }
+        }
+    }
+}
+
+/// Products that go through the form at once.
+const ROWS: usize = 4;
+
+impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
+    /// Displacements with positions relative to the first.
+    #[inline(always)]
+    fn relative<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> [[T; D]; S] {
+        let mut h = *u;
+        self.positions.make_relative(&mut h);
+        h
+    }
+
+    /// Nodal vectors displaced.
+    #[inline(always)]
+    fn displaced<T: Algebra<R>>(&self, h: &[[T; D]; S]) -> [[T; D]; S] {
+        array(|i| array(|c| h[i][c] + T::lift(self.reference[i][c])))
+    }
+
+    /// Changes of the products of displaced vectors `v`, for pairs `i <= j`.
+    #[inline(always)]
+    fn changes<T: Algebra<R>>(&self, h: &[[T; D]; S], v: &[[T; D]; S]) -> [[T; S]; S] {
+        let mut g = [[T::zero(); S]; S];
+        for i in 0..S {
+            // Not a range from there on: loops of constant length are unrolled.
+            if i < self.unmet {
+                continue;
+            }
+            for j in i..S {
+                let mut change = dot(&h[i], &v[j]);
+                for c in 0..D {
+                    change = change.plus_times(self.reference[i][c], h[j][c]);
+                }
+                g[i][j] = match i == j {
+                    true => change.times(R::lit(0.5)),
+                    false => change,
+                };
+            }
+        }
+        g
+    }
+
+    /// What is conjugate to the products, for pairs `i <= j`.
+    #[inline(always)]
+    fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S]) -> [[T; S]; S] {
+        let mut stress = [[T::zero(); S]; S];
+        let g = changes.as_flattened();
+        let sigma = stress.as_flattened_mut();
+        // The minimum is the identity; it lets the optimiser drop the bounds checks.
+        let place = |pair: usize| pair.min(S * S - 1);
+        for Group { pairs, form } in &self.groups {
+            let count = pairs.len();
+            let rows = form.chunks(ROWS * count).zip(pairs.chunks(ROWS));
+            for (rows, own) in rows {
+                match <&[usize; ROWS]>::try_from(own) {
+                    Ok(own) => {
+                        let rows: [&[R]; ROWS] = array(|r| &rows[r * count..][..count]);
+                        let mut sums = [T::zero(); ROWS];
+                        for m in 0..count {
+                            let g = g[place(pairs[m])];
+                            for r in 0..ROWS {
+                                sums[r] = sums[r].plus_times(rows[r][m], g);
+                            }
+                        }
+                        for r in 0..ROWS {
+                            sigma[place(own[r])] = sums[r];
+                        }
+                    }
+                    Err(_) => {
+                        for (row, own) in rows.chunks_exact(count).zip(own) {
+                            let mut sum = T::zero();
+                            for (value, pair) in row.iter().zip(pairs) {
+                                sum = sum.plus_times(*value, g[place(*pair)]);
+                            }
+                            sigma[place(*own)] = sum;
+                        }
+                    }
+                }
+            }
+        }
+        stress
+    }
+
+    /// What is conjugate to the products in the mean of a step, and the vectors at its ends.
+    #[inline(always)]
+    fn secant_stress<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        ends: [&[[T; D]; S]; 2],
+    ) -> ([[T; S]; S], [[[T; D]; S]; 2]) {
+        let half = R::lit(0.5);
+        let h = ends.map(|u| self.relative(u));
+        let v = [self.displaced(&h[0]), self.displaced(&h[1])];
+        let [old, mut g] = [0, 1].map(|end| self.changes(&h[end], &v[end]));
+        for i in 0..S {
+            for j in i..S {
+                g[i][j] = g[i][j].times(half + viscosity) + old[i][j].times(half - viscosity);
+            }
+        }
+        (self.stress(&g), v)
+    }
+
+    /// Adds the force on nodal vectors.
+    #[inline(always)]
+    fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        let mut force = [[T::zero(); D]; S];
+        for i in 0..S {
+            if i < self.unmet {
+                continue;
+            }
+            for j in 0..S {
+                add_scaled(&mut force[i], stress[i.min(j)][i.max(j)], &v[j]);
+            }
+        }
+        self.positions.add_force(&force, q);
+    }
+}
+
+impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKernel<R, D, S> {
+    #[inline(always)]
+    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        R::dispatch(work)
+    }
+
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        let h = self.relative(u);
+        let g = self.changes(&h, &self.displaced(&h));
+        let stress = self.stress(&g);
+        let mut twice = T::zero();
+        for i in 0..S {
+            for j in i..S {
+                twice = twice.plus_product(g[i][j], stress[i][j]);
+            }
+        }
+        twice.times(R::lit(0.5))
+    }
+
+    #[inline(always)]
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        let h = self.relative(u);
+        let v = self.displaced(&h);
+        self.add_force(&self.stress(&self.changes(&h, &v)), &v, q);
+    }
+
+    #[inline(always)]
+    fn tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        mirrored(k, |upper| self.upper_tangent(u, q, upper));
+    }
+
+    #[inline(always)]
+    fn upper_tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        let h = self.relative(u);
+        let v = &self.displaced(&h);
+        let stress = self.stress(&self.changes(&h, v));
+        for block in &self.blocks {
+            let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
+            let mut sum = [[T::zero(); D]; D];
+            for c in 0..D {
+                sum[c][c] = stress[i][j];
+            }
+            block.add_dyads((v, v), &mut sum);
+            for c in 0..D {
+                k[i][c][j] = sum[c];
+            }
+        }
+        self.add_force(&stress, v, q);
+        self.positions.finish_upper(k);
+    }
+
+    fn has_strain(&self) -> bool {
+        true
+    }
+
+    /// The mean stress on the vectors half way (Simo and Tarnow 1992), as at section points.
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        let (stress, [from, to]) = self.secant_stress(viscosity, [from, to]);
+        self.add_force(&stress, &between(&from, &to, R::lit(0.5)), q);
+    }
+
+    #[inline(always)]
+    fn secant_tangent<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        let half = R::lit(0.5);
+        let (stress, [from, to]) = self.secant_stress(viscosity, [from, to]);
+        let middle = between(&from, &to, half);
+        let share = half + viscosity;
+        let mut relative: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];
+        for block in &self.blocks {
+            let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
+            let geometric = stress[i][j].times(half);
+            let mut upper = [[T::zero(); D]; D];
+            block.add_dyads((&middle, &to), &mut upper);
+            // Across the diagonal the vectors of the dyads change places.
+            let mut lower = [[T::zero(); D]; D];
+            block.add_dyads((&to, &middle), &mut lower);
+            for c in 0..D {
+                for d in 0..D {
+                    let diagonal = if c == d { geometric } else { T::zero() };
+                    relative[i][c][j][d] = diagonal.plus_times(share, upper[c][d]);
+                    if i != j {
+                        relative[j][c][i][d] = diagonal.plus_times(share, lower[d][c]);
+                    }
+                }
+            }
+        }
+        self.positions.add_tangent(relative, k);
+    }
+}
