@@ -4,15 +4,15 @@
 //! The rule is run once, when the kernel is made; exact sections, reduced rules and a Poisson part on
 //! the axis alone differ in the numbers of the form only and cost the same.
 
+use super::basis::Basis;
 use super::law::{first_column, material_frame};
-use super::relative::Positions;
 use super::sampled::{Sample, operator};
 use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, LaneWork, Real};
-use crate::tensor::{add_scaled, add_times, array, between, dot};
+use crate::tensor::{add_scaled, add_times, array, between, dot, sum};
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
 /// stretching, bending about each axis and torsion part.
@@ -24,32 +24,40 @@ struct Group<R> {
     form: Vec<R>,
 }
 
-/// The block of the tangent between two nodal vectors: a sum of dyads of nodal vectors.
+/// Right vectors of a term: those of a vector that is quadratic along the element.
+const WIDE: usize = 3;
+
+/// The dyad of a nodal vector with a sum of others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Dyad<R> {
+    left: usize,
+    /// Vectors with their factors; filled up with zeros, so that no loop is of a length of its own.
+    right: [(usize, R); WIDE],
+}
+
+/// The block of the tangent between two nodal vectors.
 #[derive(Debug, Clone, PartialEq)]
 struct Block<R> {
     row: usize,
     column: usize,
-    /// The left vector of some dyads, and how many of `right` follow those before.
-    left: Vec<(usize, usize)>,
-    /// Right vectors with their factors.
-    right: Vec<(usize, R)>,
+    dyads: Vec<Dyad<R>>,
 }
 
 /// Strain energy as half a quadratic form in the changes `g_ij = v_i . v_j - v0_i . v0_j`, halved for
-/// `i = j`, of the scalar products of nodal vectors, positions relative to the first.
+/// `i = j`, of the scalar products of an element's vectors, by a basis of means and differences.
 ///
 /// With `sigma = C g`, the force on `v_i` is `sum_j sigma_ij v_j` and its derivative by `v_j`
 /// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. The changes are formed from displacements `h`, as
 /// `h_i . v_j + v0_i . h_j`, and keep their digits on slender beams.
 #[derive(Debug, Clone)]
 pub struct GramKernel<R, const D: usize, const S: usize> {
-    /// Nodal vectors in the reference state, positions relative to the first.
+    /// Vectors of the basis in the reference state.
     reference: [[R; D]; S],
     groups: Vec<Group<R>>,
     blocks: Vec<Block<R>>,
-    positions: Positions<S>,
-    /// How many nodal vectors come before the first that is met.
-    unmet: usize,
+    basis: Basis<R>,
+    /// Vectors of which no strain is made: the first position of a complete element.
+    unmet: [bool; S],
 }
 
 /// The quadratic form while parts are added to it: `[i][j][k][l]` between the pairs `i <= j` and
@@ -72,12 +80,11 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         moduli: &Moduli<R, D>,
         points: &[([R; D], R)],
     ) {
-        let positions = Positions::<S>::of::<E, D>();
+        let basis = Basis::of::<E, D, S>(reference.length);
         for ([xi], along) in axial.iter() {
             let absolute = operator(element, reference.length, xi, samples);
             let mut rows = absolute;
-            rows.iter_mut()
-                .for_each(|row| positions.make_relative_row(row));
+            rows.iter_mut().for_each(|row| basis.change_row(row));
             for (y, area) in points {
                 let mut weight = along * reference.length * *area;
                 let mut columns = gradient_rows(&rows, y);
@@ -187,9 +194,9 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         &self,
         reference: &Reference<R, D, S>,
     ) -> GramKernel<R, D, S> {
-        let positions = Positions::of::<E, D>();
+        let basis = Basis::of::<E, D, S>(reference.length);
         let mut vectors = reference.vectors;
-        positions.make_relative(&mut vectors);
+        basis.change(&mut vectors);
         let groups = self.groups();
         let mut blocks = Vec::new();
         for row in 0..S {
@@ -197,13 +204,14 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                 blocks.push(Block::new::<S>(row, column, &groups));
             }
         }
-        let pairs = groups.iter().flat_map(|group| &group.pairs);
+        let pairs: Vec<usize> = groups.iter().flat_map(|g| &g.pairs).copied().collect();
+        let met = |i| pairs.iter().any(|pair| pair / S == i || pair % S == i);
         GramKernel {
             reference: vectors,
-            unmet: pairs.map(|pair| pair / S).min().unwrap_or(S),
+            unmet: array(|i| !met(i)),
             groups,
             blocks,
-            positions,
+            basis,
         }
     }
 }
@@ -227,29 +235,26 @@ impl<R: Real> Block<R> {
             (_, true) => Some(pair / S),
             _ => None,
         };
-        let (mut left, mut right) = (Vec::new(), Vec::new());
+        let mut dyads = Vec::new();
         for group in groups {
             for (p, pair) in group.pairs.iter().enumerate() {
-                let Some(k) = other(*pair, row) else { continue };
-                let before = right.len();
-                for (q, pair) in group.pairs.iter().enumerate() {
-                    let value = group.form[p * group.pairs.len() + q];
+                let Some(left) = other(*pair, row) else {
+                    continue;
+                };
+                let values = &group.form[p * group.pairs.len()..];
+                let rights = group.pairs.iter().zip(values).filter_map(|(pair, value)| {
                     let nothing = value.is_zero() && R::ORDER == 0;
-                    if let Some(l) = other(*pair, column).filter(|_| !nothing) {
-                        right.push((l, value));
-                    }
-                }
-                if right.len() > before {
-                    left.push((k, right.len() - before));
+                    let right = other(*pair, column).filter(|_| !nothing)?;
+                    Some((right, *value))
+                });
+                for some in rights.collect::<Vec<_>>().chunks(WIDE) {
+                    let mut right = [(left, R::zero()); WIDE];
+                    right[..some.len()].copy_from_slice(some);
+                    dyads.push(Dyad { left, right });
                 }
             }
         }
-        Self {
-            row,
-            column,
-            left,
-            right,
-        }
+        Self { row, column, dyads }
     }
 
     /// Adds the dyads of vectors out of two sets.
@@ -259,14 +264,13 @@ impl<R: Real> Block<R> {
         (lefts, rights): (&[[T; D]; S], &[[T; D]; S]),
         block: &mut [[T; D]; D],
     ) {
-        let mut right = self.right.iter();
-        for (k, count) in &self.left {
+        for Dyad { left, right } in &self.dyads {
             let mut along = [T::zero(); D];
-            for (l, value) in right.by_ref().take(*count) {
+            for (l, value) in right {
                 // The minima are identities; they let the optimiser drop the bounds checks.
                 add_times(&mut along, *value, &rights[(*l).min(S - 1)]);
             }
-            let left = &lefts[(*k).min(S - 1)];
+            let left = &lefts[(*left).min(S - 1)];
             for c in 0..D {
                 add_scaled(&mut block[c], left[c], &along);
             }
@@ -278,15 +282,15 @@ impl<R: Real> Block<R> {
 const ROWS: usize = 4;
 
 impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
-    /// Displacements with positions relative to the first.
+    /// Displacements by vectors of the basis.
     #[inline(always)]
     fn relative<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> [[T; D]; S] {
         let mut h = *u;
-        self.positions.make_relative(&mut h);
+        self.basis.change(&mut h);
         h
     }
 
-    /// Nodal vectors displaced.
+    /// Vectors of the basis displaced.
     #[inline(always)]
     fn displaced<T: Algebra<R>>(&self, h: &[[T; D]; S]) -> [[T; D]; S] {
         array(|i| array(|c| h[i][c] + T::lift(self.reference[i][c])))
@@ -297,8 +301,7 @@ impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
     fn changes<T: Algebra<R>>(&self, h: &[[T; D]; S], v: &[[T; D]; S]) -> [[T; S]; S] {
         let mut g = [[T::zero(); S]; S];
         for i in 0..S {
-            // Not a range from there on: loops of constant length are unrolled.
-            if i < self.unmet {
+            if self.unmet[i] {
                 continue;
             }
             for j in i..S {
@@ -380,14 +383,17 @@ impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
     fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
         let mut force = [[T::zero(); D]; S];
         for i in 0..S {
-            if i < self.unmet {
+            if self.unmet[i] {
                 continue;
             }
             for j in 0..S {
                 add_scaled(&mut force[i], stress[i.min(j)][i.max(j)], &v[j]);
             }
         }
-        self.positions.add_force(&force, q);
+        self.basis.change_force(&mut force);
+        for i in 0..S {
+            q[i] = sum(&q[i], &force[i]);
+        }
     }
 }
 
@@ -450,7 +456,7 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
             }
         }
         self.add_force(&stress, v, q);
-        self.positions.finish_upper(k);
+        self.basis.change_upper(k);
     }
 
     fn has_strain(&self) -> bool {
@@ -501,6 +507,10 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
                 }
             }
         }
-        self.positions.add_tangent(relative, k);
+        self.basis.change_tangent(&mut relative);
+        let sums = k.as_flattened_mut().as_flattened_mut();
+        for (k, row) in sums.iter_mut().zip(relative.as_flattened().as_flattened()) {
+            *k = sum(k, row);
+        }
     }
 }

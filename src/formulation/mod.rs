@@ -3,6 +3,7 @@
 //! and tangent of one element over any number type. Locking remedies live here, as choices of
 //! what is sampled where.
 
+mod basis;
 mod cable;
 mod change;
 mod co_moving;

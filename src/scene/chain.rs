@@ -216,20 +216,22 @@ where
     }
 
     /// Calls `each` for groups of elements that fill the lanes: with the elements, what they are made
-    /// of and their nodal vectors in `u`. The last group is filled up by its
-    /// last element, so that all elements see the same arithmetic.
+    /// of and their nodal vectors in each of `sources`. The last group is filled up by its last
+    /// element, so that all elements see the same arithmetic.
     #[inline(always)]
-    fn groups<L: Lanes<R>>(
+    fn groups<L: Lanes<R>, const N: usize>(
         &self,
-        u: &[R],
-        mut each: impl FnMut(Range<usize>, &Link<R, Kn, D, S>, &[[L; D]; S]),
+        sources: [&[R]; N],
+        mut each: impl FnMut(Range<usize>, &Link<R, Kn, D, S>, &[[[L; D]; S]; N]),
     ) {
         let count = self.starts.len();
         for first in (0..count).step_by(L::WIDTH) {
             let last = count.min(first + L::WIDTH) - 1;
-            let mut columns = [[L::zero(); D]; S];
+            let mut columns = [[[L::zero(); D]; S]; N];
             let start = |lane: usize| self.range(last.min(first + lane)).start;
-            L::gather(u, start, columns.as_flattened_mut());
+            for (columns, source) in columns.iter_mut().zip(sources) {
+                L::gather(source, start, columns.as_flattened_mut());
+            }
             each(first..last + 1, self.link(first), &columns);
         }
     }
@@ -259,10 +261,10 @@ where
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let Self { chain, u, q } = self;
-        chain.groups::<L>(
-            u,
+        chain.groups::<L, 1>(
+            [u],
             #[inline(always)]
-            |elements, link, u| {
+            |elements, link, [u]| {
                 let mut force = [[L::zero(); D]; S];
                 link.kernel.force(u, &mut force);
                 L::scatter(force.as_flattened(), q, chain.starts_in(elements));
@@ -296,10 +298,10 @@ where
             a,
             out,
         } = self;
-        chain.groups::<L>(
-            a,
+        chain.groups::<L, 1>(
+            [a],
             #[inline(always)]
-            |elements, link, a| {
+            |elements, link, [a]| {
                 let Some(inertia) = &link.inertia else { return };
                 let mut force = [[L::zero(); D]; S];
                 for i in 0..S {
@@ -338,30 +340,17 @@ where
         let Self { chain, u, k } = self;
         let mut result = Ok(());
         let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-        chain.groups::<L>(
-            u,
+        chain.groups::<L, 1>(
+            [u],
             #[inline(always)]
-            |elements, link, u| {
+            |elements, link, [u]| {
                 let mut force = [[L::zero(); D]; S];
                 link.kernel.upper_tangent(u, &mut force, &mut tangent);
-                let start = chain.starts_in(elements);
-                let alone = |k: &Matrix<R>, lane: usize| {
-                    start(lane).filter(|offset| !k.takes_blocks(*offset, S * D))
-                };
                 if !k.stored().is_symmetric() {
                     mirror(&mut tangent);
                 }
-                let block = tangent.as_flattened().as_flattened().as_flattened();
                 if result.is_ok() {
-                    result = k.add_blocks(S * D, block, &start);
-                }
-                for lane in 0..L::WIDTH {
-                    match alone(k, lane) {
-                        Some(offset) if result.is_ok() => {
-                            result = add_lane::<R, L, D, S>(k, lane, offset, &tangent);
-                        }
-                        _ => {}
-                    }
+                    result = add_lanes(k, &tangent, chain.starts_in(elements));
                 }
             },
         );
@@ -369,10 +358,98 @@ where
     }
 }
 
+/// Adds the secant forces of a chain's elements.
+struct Secant<'a, C, R> {
+    chain: &'a C,
+    viscosity: R,
+    ends: [&'a [R]; 2],
+    q: &'a mut [R],
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Secant<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = ();
+    const HEAVY: bool = true;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let (chain, q) = (self.chain, self.q);
+        chain.groups::<L, 2>(
+            self.ends,
+            #[inline(always)]
+            |elements, link, [from, to]| {
+                let mut force = [[L::zero(); D]; S];
+                link.kernel.secant(self.viscosity, from, to, &mut force);
+                L::scatter(force.as_flattened(), q, chain.starts_in(elements));
+            },
+        );
+    }
+}
+
+/// Adds the derivatives of a chain's secant forces.
+struct SecantStiffness<'a, C, R> {
+    chain: &'a C,
+    viscosity: R,
+    ends: [&'a [R]; 2],
+    k: &'a mut Matrix<R>,
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
+    for SecantStiffness<'_, Chain<R, E, Kn, D, S>, R>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    type Output = Result<()>;
+    const HEAVY: bool = true;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Result<()> {
+        let (chain, k) = (self.chain, self.k);
+        let mut result = Ok(());
+        chain.groups::<L, 2>(
+            self.ends,
+            #[inline(always)]
+            |elements, link, [from, to]| {
+                let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+                link.kernel
+                    .secant_tangent(self.viscosity, from, to, &mut tangent);
+                if result.is_ok() {
+                    result = add_lanes(k, &tangent, chain.starts_in(elements));
+                }
+            },
+        );
+        result
+    }
+}
+
+/// Adds the tangents of the elements in the lanes that have a start; of those added to a symmetric
+/// matrix the upper triangles are read.
+#[inline(always)]
+fn add_lanes<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
+    k: &mut Matrix<R>,
+    tangent: &Tangent<L, D, S>,
+    start: impl Fn(usize) -> Option<usize>,
+) -> Result<()> {
+    let block = tangent.as_flattened().as_flattened().as_flattened();
+    k.add_blocks(S * D, block, &start)?;
+    for lane in 0..L::WIDTH {
+        if let Some(offset) = start(lane).filter(|offset| !k.takes_blocks(*offset, S * D)) {
+            add_lane::<R, L, D, S>(k, lane, offset, tangent)?;
+        }
+    }
+    Ok(())
+}
+
 /// Numbers in the widest registers of the smallest type.
 const MOST_LANES: usize = 16;
 
-/// Adds the tangent of the element in one lane, of which the upper triangle is given.
+/// Adds the tangent of the element in one lane.
 #[inline(always)]
 fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     k: &mut Matrix<R>,
@@ -382,9 +459,11 @@ fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
 ) -> Result<()> {
     let mut own: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
     let mut lanes = [R::zero(); MOST_LANES];
+    let symmetric = k.stored().is_symmetric();
     for i in 0..S {
         for c in 0..D {
-            for j in i..S {
+            let first = if symmetric { i } else { 0 };
+            for j in first..S {
                 for d in 0..D {
                     tangent[i][c][j][d].store(&mut lanes);
                     own[i][c][j][d] = lanes[lane];
@@ -393,7 +472,7 @@ fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
         }
     }
     let upper = k.takes_upper(offset, S * D);
-    if !upper {
+    if symmetric && !upper {
         mirror(&mut own);
     }
     let block = own.as_flattened().as_flattened().as_flattened();
@@ -427,28 +506,21 @@ where
     }
 
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
-        for n in 0..self.starts.len() {
-            let mut element = [[R::zero(); D]; S];
-            let (from, to) = (self.gather(n, from), self.gather(n, to));
-            let kernel = &self.link(n).kernel;
-            kernel.secant(viscosity, &from, &to, &mut element);
-            let own = &mut q[self.range(n)];
-            for (sum, value) in own.iter_mut().zip(element.as_flattened()) {
-                *sum += *value;
-            }
-        }
+        self.run(Secant {
+            chain: self,
+            viscosity,
+            ends: [from, to],
+            q,
+        });
     }
 
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()> {
-        for n in 0..self.starts.len() {
-            let mut tangent: Tangent<R, D, S> = [[[[R::zero(); D]; S]; D]; S];
-            let (from, to) = (self.gather(n, from), self.gather(n, to));
-            let kernel = &self.link(n).kernel;
-            kernel.secant_tangent(viscosity, &from, &to, &mut tangent);
-            let block = tangent.as_flattened().as_flattened().as_flattened();
-            k.add_block(self.range(n).start, S * D, block)?;
-        }
-        Ok(())
+        self.run(SecantStiffness {
+            chain: self,
+            viscosity,
+            ends: [from, to],
+            k,
+        })
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {

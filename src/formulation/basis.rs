@@ -1,0 +1,172 @@
+//! Nodal vectors by means and differences. Rigid motions and constant strains are in few of them, the
+//! others are small where elements are short: energies formed from such vectors lose fewer digits than
+//! from the nodal ones, and more of their terms vanish by symmetry.
+
+use super::Tangent;
+use crate::element::{Element, NodalVector};
+use crate::scalar::{Algebra, Real};
+use crate::tensor::{add_scaled, add_times};
+
+/// Adds to one vector a multiple of another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step<R> {
+    from: usize,
+    to: usize,
+    factor: R,
+}
+
+/// A change of basis as a sequence of steps, each of which is undone by its opposite.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Basis<R>(Vec<Step<R>>);
+
+impl<R: Real> Basis<R> {
+    /// Positions relative to the first, less what the mean slope along the axis, or without one the
+    /// chord, makes of them; slopes as their mean and what differs from the first.
+    pub(super) fn of<E: Element<D, S>, const D: usize, const S: usize>(length: R) -> Self {
+        let per_node = E::VECTORS.len();
+        let places = |vector: NodalVector| {
+            let at = E::VECTORS.iter().position(|v| *v == vector);
+            let all = at.map(|at| (at..S).step_by(per_node).collect::<Vec<_>>());
+            all.unwrap_or_default()
+        };
+        let mut steps = Vec::new();
+        let mut step = |from: usize, to: usize, factor: R| steps.push(Step { from, to, factor });
+        for a in 0..D {
+            if let [first, others @ ..] = &places(NodalVector::Slope(a))[..] {
+                let share = R::one() / R::lit((others.len() + 1) as f64);
+                others
+                    .iter()
+                    .for_each(|other| step(*first, *other, -R::one()));
+                others.iter().for_each(|other| step(*other, *first, share));
+            }
+        }
+        if let [first, others @ ..] = &places(NodalVector::Position)[..] {
+            others
+                .iter()
+                .for_each(|other| step(*first, *other, -R::one()));
+            let along = |n: usize| R::lit((n + 1) as f64) / R::lit(others.len() as f64);
+            let slope = places(NodalVector::Slope(0)).first().copied();
+            match (slope, others) {
+                (Some(slope), _) => {
+                    for (n, other) in others.iter().enumerate() {
+                        step(slope, *other, -(along(n) * length));
+                    }
+                }
+                (None, [middle @ .., last]) => {
+                    for (n, other) in middle.iter().enumerate() {
+                        step(*last, *other, -along(n));
+                    }
+                }
+                (None, []) => {}
+            }
+        }
+        Self(steps)
+    }
+
+    /// Nodal vectors turned into those of the basis, in place.
+    #[inline(always)]
+    pub(super) fn change<T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        v: &mut [[T; D]; S],
+    ) {
+        for Step { from, to, factor } in &self.0 {
+            // The minima are identities; they let the optimiser drop the bounds checks.
+            let from = v[(*from).min(S - 1)];
+            add_times(&mut v[(*to).min(S - 1)], *factor, &from);
+        }
+    }
+
+    /// Turns a row over nodal vectors into one over the basis. What is left of numbers that cancel is
+    /// nothing: a complete element does not feel where its first node is.
+    pub(super) fn change_row<const S: usize>(&self, row: &mut [R; S]) {
+        let size = row.iter().fold(R::zero(), |size, a| size.larger(a.abs()));
+        for Step { from, to, factor } in &self.0 {
+            let value = row[*to];
+            row[*from] -= *factor * value;
+        }
+        let rounding = size * R::lit(64.0 * R::EPSILON);
+        for a in row {
+            if a.abs() <= rounding {
+                *a = R::zero();
+            }
+        }
+    }
+
+    /// Forces on the vectors of the basis turned into those on nodal vectors, in place.
+    #[inline(always)]
+    pub(super) fn change_force<T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        q: &mut [[T; D]; S],
+    ) {
+        for Step { from, to, factor } in self.0.iter().rev() {
+            let to = q[(*to).min(S - 1)];
+            add_times(&mut q[(*from).min(S - 1)], *factor, &to);
+        }
+    }
+
+    /// The blocks `k[i][..][j]`, `i <= j`, of a symmetric tangent by vectors of the basis turned into
+    /// those by nodal vectors, in place.
+    #[inline(always)]
+    pub(super) fn change_upper<T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        k: &mut Tangent<T, D, S>,
+    ) {
+        for Step { from, to, factor } in self.0.iter().rev() {
+            let (from, to) = ((*from).min(S - 1), (*to).min(S - 1));
+            // The diagonal block gains the column as it was and the row as it is then.
+            add_block(k, *factor, (to, from), (from, from));
+            for j in 0..S {
+                if j != from {
+                    add_block(k, *factor, (to, j), (from, j));
+                }
+            }
+            add_block(k, *factor, (from, to), (from, from));
+        }
+    }
+
+    /// The same for a tangent that need not be symmetric.
+    #[inline(always)]
+    pub(super) fn change_tangent<T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        k: &mut Tangent<T, D, S>,
+    ) {
+        let factor = |step: &Step<R>| T::lift(step.factor);
+        for step in self.0.iter().rev() {
+            let (from, to) = (step.from.min(S - 1), step.to.min(S - 1));
+            let row = k[to];
+            for c in 0..D {
+                for j in 0..S {
+                    add_scaled(&mut k[from][c][j], factor(step), &row[c][j]);
+                }
+            }
+            for row in k.as_flattened_mut() {
+                let column = row[to];
+                add_scaled(&mut row[from], factor(step), &column);
+            }
+        }
+    }
+}
+
+/// Adds a multiple of one block of a symmetric tangent, of which those with `i <= j` are stored, to
+/// another.
+#[inline(always)]
+fn add_block<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
+    k: &mut Tangent<T, D, S>,
+    factor: R,
+    from: (usize, usize),
+    to: (usize, usize),
+) {
+    for c in 0..D {
+        for d in 0..D {
+            let value = match from.0 <= from.1 {
+                true => k[from.0][c][from.1][d],
+                false => k[from.1][d][from.0][c],
+            };
+            let sum = match to.0 <= to.1 {
+                true => &mut k[to.0][c][to.1][d],
+                false => &mut k[to.1][d][to.0][c],
+            };
+            *sum = sum.plus_times(factor, value);
+        }
+    }
+}
