@@ -3,7 +3,9 @@
 
 use super::critical::Critical;
 use super::newton::{Changes, Equations, Rest, Solved, Stability, Workspace};
+use super::observation::{Ending, Observation};
 use super::path::{Control, Path, PathPoint, PathReport, Target, check_coordinate};
+use super::progress::PathRefusal;
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
@@ -18,7 +20,7 @@ pub struct Continuation<'a, R: Real, S> {
     pub(super) factor: R,
     pub(super) stability: Stability,
     /// The same of the point before.
-    was: Stability,
+    pub(super) was: Stability,
     /// The point before, once there is one.
     pub(super) before: Option<(Vec<R>, R)>,
     /// Displacements tried.
@@ -27,9 +29,10 @@ pub struct Continuation<'a, R: Real, S> {
     pub(super) spare: Vec<R>,
     /// Changes by a unit of the load at the start of the step.
     tangent: Vec<R>,
-    step: R,
-    criticals: Vec<Critical<R>>,
-    report: PathReport,
+    pub(super) step: R,
+    pub(super) criticals: Vec<Critical<R>>,
+    pub(super) report: PathReport,
+    refusals: Vec<PathRefusal<R>>,
 }
 
 impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
@@ -41,11 +44,29 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     /// For settings out of range, a state of the wrong size or with values that are not finite, and
     /// those of Newton's method when there is no equilibrium near.
     pub fn start(structure: &'a S, state: State<R>, factor: R, settings: &Path) -> Result<Self> {
+        let mut path = Self::at(structure, state, factor, settings)?;
+        let structure = path.structure;
+        structure.impose(path.state.time, Rate::Displacement, &mut path.u)?;
+        let equations = path.equations(factor);
+        path.workspace
+            .solve(structure, &settings.newton, &equations, &mut path.u)?;
+        path.state.displacement.copy_from_slice(&path.u);
+        path.look()?;
+        Ok(path)
+    }
+
+    /// A path at a state, which is taken for an equilibrium.
+    pub(super) fn at(
+        structure: &'a S,
+        state: State<R>,
+        factor: R,
+        settings: &Path,
+    ) -> Result<Self> {
         let size = structure.unknowns().coordinates();
         settings.check(size)?;
         state.check(size)?;
         finite("load factor", factor)?;
-        let mut path = Self {
+        Ok(Self {
             structure,
             settings: *settings,
             workspace: Workspace::new(structure),
@@ -60,14 +81,8 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             step: R::lit(settings.first),
             criticals: Vec::new(),
             report: PathReport::default(),
-        };
-        structure.impose(path.state.time, Rate::Displacement, &mut path.u)?;
-        let equations = path.equations(factor);
-        path.workspace
-            .solve(structure, &settings.newton, &equations, &mut path.u)?;
-        path.state.displacement.copy_from_slice(&path.u);
-        path.look()?;
-        Ok(path)
+            refusals: Vec::new(),
+        })
     }
 
     /// The last equilibrium found.
@@ -99,6 +114,11 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     /// The limit and bifurcation points passed so far.
     pub fn criticals(&self) -> &[Critical<R>] {
         &self.criticals
+    }
+
+    /// The steps tried and not taken since the path was started or resumed, with the reasons.
+    pub fn refusals(&self) -> &[PathRefusal<R>] {
+        &self.refusals
     }
 
     /// One step: its length is halved until it succeeds, and adapted to the number of corrections
@@ -133,16 +153,19 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         }
     }
 
-    /// Steps until the target and shows every point to `observe`.
+    /// Steps until the target, showing every point to `observe`, and says whether it came there or
+    /// the observer stopped it. What was stopped goes on by another call, to the last bit as if it
+    /// had not been stopped.
     ///
     /// # Errors
     /// Those of [`step`](Self::step), [`Error::TargetMissed`] after [`Path::points`],
-    /// [`Error::NoSuchCoordinate`], a target that is not finite.
-    pub fn until(
+    /// [`Error::NoSuchCoordinate`], a target that is not finite, and those of the observer; the last
+    /// equilibrium is kept.
+    pub fn until<O: Observation>(
         &mut self,
         target: Target<R>,
-        mut observe: impl FnMut(&PathPoint<'_, R>),
-    ) -> Result<()> {
+        mut observe: impl FnMut(&PathPoint<'_, R>) -> O,
+    ) -> Result<Ending> {
         match target {
             Target::Coordinate(c, value) => {
                 check_coordinate(c, self.u.len())?;
@@ -162,7 +185,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 _ => self.distance(target).is_zero(),
             };
             if arrived {
-                return Ok(());
+                return Ok(Ending::End);
             }
             let far = self.distance(target);
             let passed = self.criticals.len();
@@ -175,13 +198,18 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 self.criticals.truncate(passed);
             }
             points += 1;
-            observe(&PathPoint {
+            let flow = observe(&PathPoint {
                 state: &self.state,
                 factor: self.factor,
                 unstable: self.stability.unstable,
+                report: &self.report,
             });
+            let stopped = flow.flow()?.is_break();
             if landed {
-                return Ok(());
+                return Ok(Ending::End);
+            }
+            if stopped {
+                return Ok(Ending::Stopped);
             }
         }
         Err(Error::TargetMissed {
@@ -310,6 +338,11 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Halves the step after a failure.
     fn cut(&mut self, cause: Error) -> Result<()> {
+        self.refusals.push(PathRefusal {
+            factor: self.factor,
+            step: self.step,
+            cause: cause.clone(),
+        });
         self.step *= R::lit(0.5);
         self.report.cutbacks += 1;
         if self.step.abs() < R::lit(self.settings.shortest) {

@@ -167,6 +167,7 @@ pub enum Target<R> {
 
 /// What a path took so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathReport {
     /// Points found.
     pub points: usize,
@@ -187,4 +188,6 @@ pub struct PathPoint<'a, R> {
     pub factor: R,
     /// In how many directions it is unstable; `None` where the factorisation does not tell.
     pub unstable: Option<usize>,
+    /// What the path took so far, this point included.
+    pub report: &'a PathReport,
 }

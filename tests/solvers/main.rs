@@ -4,4 +4,5 @@
 mod follower;
 mod loose;
 mod permanent;
+mod resume;
 mod search;
