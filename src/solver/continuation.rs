@@ -390,7 +390,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Tries a step of this size from the last point into `u`; returns its load factor.
     pub(super) fn advance(&mut self, step: R) -> Result<(Solved, R)> {
-        let mut equations = self.equations(self.factor);
+        let equations = self.equations(self.factor);
         let Self {
             structure,
             settings,
@@ -405,95 +405,89 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let (structure, newton) = (*structure, &settings.newton);
         u.copy_from_slice(&state.displacement);
         let here = &state.displacement;
-        let weight = R::lit(settings.load_weight * settings.load_weight);
-        // Change of the load factor so far.
-        let mut total = R::zero();
-        let result = match settings.control {
-            Control::Load => {
-                equations.factor += step;
-                workspace
-                    .solve(structure, newton, &equations, u)
-                    .map(|solved| (solved, equations.factor))?
-            }
-            Control::Coordinate(c) => {
-                let mut choice = |changes: &Changes<'_, R>| {
-                    Some((step - changes.moved[c] - changes.residual[c]) / changes.load[c])
-                };
-                workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?
-            }
-            Control::Sphere | Control::Plane => {
-                let forward = if step < R::zero() {
-                    -R::one()
-                } else {
-                    R::one()
-                };
-                let mut first = true;
-                let mut choice = |changes: &Changes<'_, R>| {
-                    let Changes {
-                        moved,
-                        residual,
-                        load,
-                    } = changes;
-                    let inner = |a: &dyn Fn(usize) -> R, b: &dyn Fn(usize) -> R| {
-                        mean(structure, |i| a(i) * b(i))
-                    };
-                    let change = if std::mem::take(&mut first) {
-                        let along = match &before {
-                            None => forward,
-                            Some((old, from)) => {
-                                inner(&|i| here[i] - old[i], &|i| load[i])
-                                    + weight * (*factor - *from)
-                            }
-                        };
-                        tangent.copy_from_slice(load);
-                        let size = (inner(&|i| load[i], &|i| load[i]) + weight).sqrt();
-                        let length = step.abs() / size;
-                        if along < R::zero() { -length } else { length }
-                    } else if settings.control == Control::Plane {
-                        let off = inner(&|i| moved[i], &|i| residual[i]);
-                        -off / (inner(&|i| moved[i], &|i| load[i]) + weight * total)
-                    } else {
-                        let to = |i: usize| moved[i] + residual[i];
-                        let a = inner(&|i| load[i], &|i| load[i]) + weight;
-                        let b = inner(&|i| load[i], &to) + weight * total;
-                        let c = inner(&to, &to) + weight * total * total - step * step;
-                        let root = b * b - a * c;
-                        if root < R::zero() {
-                            return None;
-                        }
-                        let ahead = inner(&|i| moved[i], &|i| load[i]) + weight * total;
-                        let root = super::norm(root);
-                        // Without cancellation.
-                        let sum = -(b + if b < R::zero() { -root } else { root });
-                        let (one, two) = (sum / a, c / sum);
-                        if (one > two) == (ahead > R::zero()) {
-                            one
-                        } else {
-                            two
-                        }
-                    };
-                    total += change;
-                    Some(change)
-                };
-                let solved =
-                    workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?;
-                let change = solved.1 - *factor;
-                let moved = square(structure, |i| u[i] - here[i]) + weight * change * change;
-                let ahead = mean(structure, |i| (u[i] - here[i]) * tangent[i]) + weight * change;
-                let slope = square(structure, |i| tangent[i]) + weight;
-                // Far beyond the step asked for, or more than 45 degrees off its start.
-                if moved > R::lit(4.0) * step * step || ahead * ahead < R::lit(0.5) * moved * slope
-                {
-                    return Err(Error::Unconverged {
-                        reason: "the path bends too much, or another one was met",
-                        iterations: solved.0.iterations,
-                        residual: solved.0.residual,
-                    });
-                }
-                solved
-            }
+        let arc = matches!(settings.control, Control::Sphere | Control::Plane);
+        // A jump shows in displacements: the load is no part of it where it is prescribed.
+        let weight = match arc {
+            true => R::lit(settings.load_weight * settings.load_weight),
+            false => R::zero(),
         };
-        Ok(result)
+        let forward = match step < R::zero() {
+            true => -R::one(),
+            false => R::one(),
+        };
+        // Change of the load factor so far, and the first.
+        let (mut total, mut first) = (R::zero(), None);
+        let mut choice = |changes: &Changes<'_, R>| {
+            let Changes {
+                moved,
+                residual,
+                load,
+            } = changes;
+            let inner =
+                |a: &dyn Fn(usize) -> R, b: &dyn Fn(usize) -> R| mean(structure, |i| a(i) * b(i));
+            let change = match settings.control {
+                Control::Load => step - total,
+                Control::Coordinate(c) => (step - moved[c] - residual[c]) / load[c],
+                _ if first.is_none() => {
+                    let along = match &before {
+                        None => forward,
+                        Some((old, from)) => {
+                            inner(&|i| here[i] - old[i], &|i| load[i]) + weight * (*factor - *from)
+                        }
+                    };
+                    let size = (inner(&|i| load[i], &|i| load[i]) + weight).sqrt();
+                    let length = step.abs() / size;
+                    if along < R::zero() { -length } else { length }
+                }
+                Control::Plane => {
+                    let off = inner(&|i| moved[i], &|i| residual[i]);
+                    -off / (inner(&|i| moved[i], &|i| load[i]) + weight * total)
+                }
+                Control::Sphere => {
+                    let to = |i: usize| moved[i] + residual[i];
+                    let a = inner(&|i| load[i], &|i| load[i]) + weight;
+                    let b = inner(&|i| load[i], &to) + weight * total;
+                    let c = inner(&to, &to) + weight * total * total - step * step;
+                    let root = b * b - a * c;
+                    if root < R::zero() {
+                        return None;
+                    }
+                    let ahead = inner(&|i| moved[i], &|i| load[i]) + weight * total;
+                    let root = super::norm(root);
+                    // Without cancellation.
+                    let sum = -(b + if b < R::zero() { -root } else { root });
+                    let (one, two) = (sum / a, c / sum);
+                    if (one > two) == (ahead > R::zero()) {
+                        one
+                    } else {
+                        two
+                    }
+                }
+            };
+            if first.is_none() {
+                tangent.copy_from_slice(load);
+                first = Some(change);
+            }
+            total += change;
+            Some(change)
+        };
+        let solved = workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?;
+        let (change, first) = (solved.1 - *factor, first.unwrap_or(R::zero()));
+        let moved = square(structure, |i| u[i] - here[i]) + weight * change * change;
+        let ahead = mean(structure, |i| (u[i] - here[i]) * tangent[i]) + weight * change;
+        let slope = square(structure, |i| tangent[i]) + weight;
+        // Far beyond where the path was heading at first, back, or more than 45 degrees off.
+        let beyond = moved > R::lit(4.0) * first * first * slope;
+        let back = ahead * first < R::zero();
+        let off = ahead * ahead < R::lit(0.5) * moved * slope;
+        if slope > R::zero() && (beyond || back || off) {
+            return Err(Error::Unconverged {
+                reason: "the path bends too much, or another one was met",
+                iterations: solved.0.iterations,
+                residual: solved.0.residual,
+            });
+        }
+        Ok(solved)
     }
 }
 

@@ -6,3 +6,4 @@ mod loose;
 mod permanent;
 mod resume;
 mod search;
+mod truss;

@@ -5,29 +5,7 @@ use std::ops::ControlFlow;
 
 use ancf::prelude::*;
 
-/// Two bars that meet 0.3 m above their supports under a load that pushes them through; the
-/// coordinate pushed down.
-fn truss() -> (System<f64, 2>, usize) {
-    let bar = EulerBernoulli::with_stiffness(1.0, 1.0).unwrap();
-    let bar = Beam::new(Cable, Moments::new(1.0, 1.0, 1.0).unwrap(), bar);
-    let mut scene = Scene::<f64, 2>::new();
-    let left = bar.clone().straight([0.0; 2], [1.0, 0.3], 1);
-    let left = scene.add(left).unwrap();
-    let right = scene.add(bar.straight([1.0, 0.3], [2.0, 0.0], 1)).unwrap();
-    scene.pin(left.start()).unwrap();
-    scene.pin(right.end()).unwrap();
-    scene
-        .join(left.end(), right.start(), Joint::Spherical)
-        .unwrap();
-    scene
-        .fix(left.end(), NodalVector::Position, [true, false])
-        .unwrap();
-    scene.force(left.end(), [0.0, -1e-2]).unwrap();
-    let system = scene.assemble().unwrap();
-    let top = system.coordinate(left.end(), NodalVector::Position);
-    let down = top.unwrap() + 1;
-    (system, down)
-}
+use crate::truss::truss;
 
 /// All bits of a point.
 fn bits(point: &PathPoint<'_, f64>) -> Vec<u64> {
