@@ -242,6 +242,32 @@ impl<R: Real, const D: usize, const SYMMETRIC: bool> MomentSection<R, D, SYMMETR
     }
 }
 
+impl<R: Real, const D: usize, const SYMMETRIC: bool> MomentSection<R, D, SYMMETRIC> {
+    /// The station half way between two states with the mean of their stresses, and viscous ones, and
+    /// the station at the end.
+    #[inline(always)]
+    fn midway<T: Algebra<R>, const K: usize>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [Station<T, D>; 2] {
+        let half = R::lit(0.5);
+        let (old, new) = (self.station(reference, from), self.station(reference, to));
+        let mean = |old: &[[T; D]; D], new: &[[T; D]; D]| {
+            array(|a| {
+                array(|b| old[a][b].times(half - viscosity) + new[a][b].times(half + viscosity))
+            })
+        };
+        let mut middle = self.station(reference, &between(from, to, half));
+        middle.tension = mean(&old.tension, &new.tension);
+        middle.drag = mean(&old.drag, &new.drag);
+        middle.stress = mean(&old.stress, &new.stress);
+        [middle, new]
+    }
+}
+
 impl<T: Scalar, const D: usize> Station<T, D> {
     #[inline(always)]
     fn resultants<const K: usize>(&self) -> [[T; D]; K] {
@@ -312,20 +338,101 @@ where
         from: &[[T; D]; K],
         to: &[[T; D]; K],
     ) -> [[T; D]; K] {
-        let half = R::lit(0.5);
-        let (old, new) = (self.station(reference, from), self.station(reference, to));
-        let mean = |old: &[[T; D]; D], new: &[[T; D]; D]| {
-            std::array::from_fn(|a| {
-                std::array::from_fn(|b| {
-                    old[a][b].times(half - viscosity) + new[a][b].times(half + viscosity)
-                })
-            })
+        let [midway, _] = self.midway(viscosity, reference, from, to);
+        midway.resultants()
+    }
+
+    /// Every stress adds the derivative of its mean, by the gradient at the end, on the gradient half
+    /// way, and half of itself on the derivative of that.
+    #[inline]
+    fn secant_stiffness<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> SectionStiffness<T, D, K> {
+        let [midway, end] = self.midway(viscosity, reference, from, to);
+        let (p, c) = (&end.p, &end.c);
+        let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
+        let share = R::lit(0.5) + viscosity;
+        // What a stress couples: two sampled vectors, each forced along the other.
+        let mut add = |stress: T, pair: [(usize, &[T; D]); 2], slope: &[[T; D]; K]| {
+            let [(row, along), (other, back)] = pair;
+            for x in 0..K {
+                for i in 0..D {
+                    add_scaled(&mut stiffness[row][x][i], along[i], &slope[x]);
+                    if row != other {
+                        add_scaled(&mut stiffness[other][x][i], back[i], &slope[x]);
+                    }
+                }
+            }
+            let half = stress.times(R::lit(0.5));
+            for i in 0..D {
+                stiffness[row][other][i][i] += half;
+                if row != other {
+                    stiffness[other][row][i][i] += half;
+                }
+            }
         };
-        let mut s = self.station(reference, &between(from, to, half));
-        s.tension = mean(&old.tension, &new.tension);
-        s.drag = mean(&old.drag, &new.drag);
-        s.stress = mean(&old.stress, &new.stress);
-        s.resultants()
+        for k in 0..D {
+            for l in k..D {
+                let mut slope = [[T::zero(); D]; K];
+                for m in 0..D {
+                    for n in 0..D {
+                        if !Self::vanishes([k, l, m, n]) {
+                            let modulus = share * self.axial[k][l][m][n];
+                            add_times(&mut slope[first_column::<D>(m)], modulus, &p[n]);
+                        }
+                    }
+                }
+                if !Self::vanishes([k, l]) {
+                    for a in 1..D {
+                        add_times(&mut slope[a], share * self.coupling[a][k][l], &c[a]);
+                    }
+                }
+                let [one, other] = [k, l].map(first_column::<D>);
+                let pair = [(one, &midway.p[l]), (other, &midway.p[k])];
+                add(midway.tension[k][l], pair, &slope);
+            }
+        }
+        for a in 1..D {
+            for k in 0..D {
+                let mut slope = [[T::zero(); D]; K];
+                for l in 0..D {
+                    if !Self::vanishes([k, l]) {
+                        let modulus = share * self.shear[a][k][l];
+                        add_times(&mut slope[a], modulus, &p[l]);
+                        add_times(&mut slope[first_column::<D>(l)], modulus, &c[a]);
+                    }
+                }
+                let pair = [(first_column::<D>(k), &midway.c[a]), (a, &midway.p[k])];
+                add(midway.drag[a][k], pair, &slope);
+            }
+            for b in a..D {
+                let mut slope = [[T::zero(); D]; K];
+                if b > a {
+                    let modulus = share * self.across.shear[a][b];
+                    add_times(&mut slope[a], modulus, &c[b]);
+                    add_times(&mut slope[b], modulus, &c[a]);
+                } else {
+                    for m in 0..D {
+                        for n in 0..D {
+                            if !Self::vanishes([m, n]) {
+                                let modulus = share * self.coupling[a][m][n];
+                                add_times(&mut slope[first_column::<D>(m)], modulus, &p[n]);
+                            }
+                        }
+                        if m > 0 {
+                            add_times(&mut slope[m], share * self.across.normal[a][m], &c[m]);
+                        }
+                    }
+                }
+                let pair = [(a, &midway.c[b]), (b, &midway.c[a])];
+                add(midway.stress[a][b], pair, &slope);
+            }
+        }
+        stiffness
     }
 
     #[inline(always)]
