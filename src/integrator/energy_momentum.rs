@@ -76,15 +76,14 @@ impl Default for EnergyMomentum {
 
 impl EnergyMomentum {
     /// Energy and momenta kept to rounding, Newton's method run to it. Its tangent, not symmetric
-    /// and so dearer than others, is renewed at the start of a step and when it is slow: that of the
-    /// step before costs more iterations than it saves where steps do not resolve the motion.
+    /// and so dearer than others, is renewed when it is slow.
     pub fn conserving() -> Self {
         Self {
             viscosity: 0.0,
             retardation: 0.0,
             newton: Newton {
                 residual: f64::MIN_POSITIVE,
-                refresh: Refresh::Timely,
+                refresh: Refresh::WhenSlow,
                 ..Newton::default()
             },
         }

@@ -226,7 +226,7 @@ impl<R: Real> Workspace<R> {
         let mut extra = R::ORDER;
         self.force = R::zero();
         self.moved.fill(R::zero());
-        if matches!(settings.refresh, Refresh::EverySolve | Refresh::Timely) {
+        if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
         let searching =
@@ -253,8 +253,8 @@ impl<R: Real> Workspace<R> {
                 .residual
                 .at_most(balance.scale * R::lit(settings.residual));
             let floor = self.leftover(&balance);
-            let below = balance.residual.at_most(floor);
-            let mut at_floor = below & corrected_by(NEAR) & !fell_to(STALLED);
+            let mut at_floor =
+                balance.residual.at_most(floor) & corrected_by(NEAR) & !fell_to(STALLED);
             rises += R::zero().where_else(fell_to(1.0), R::one());
             // Only a solve that gets nowhere pays for this bound. Along a path a state accepted so
             // may lie on another branch: there a shorter step is tried.
@@ -297,8 +297,7 @@ impl<R: Real> Workspace<R> {
             let renew = match settings.refresh {
                 Refresh::EveryIteration => true,
                 Refresh::EverySolve | Refresh::Never => false,
-                // No tangent reduces what rounding leaves.
-                Refresh::WhenSlow | Refresh::Timely => (!fell_to(SLOW) & !below & open).common(),
+                Refresh::WhenSlow => (!fell_to(SLOW) & open).common(),
             };
             if (renew && !current) || !self.factored {
                 self.renew(structure, &equations, u)?;

@@ -72,7 +72,6 @@ fn a_path_in_pieces_is_the_path_in_one() {
         Refresh::EveryIteration,
         Refresh::EverySolve,
         Refresh::WhenSlow,
-        Refresh::Timely,
     ] {
         let newton = Newton {
             refresh,

@@ -13,9 +13,6 @@ pub enum Refresh {
     EverySolve,
     /// When the old one no longer reduces the residual fast enough to pay for its age.
     WhenSlow,
-    /// At the start of every solve, and again when it no longer reduces the residual fast enough: for
-    /// steps that the motion changes much in.
-    Timely,
     /// Once, at the first solve: how modified Newton fails, for comparison.
     Never,
 }
