@@ -10,7 +10,8 @@ use crate::error::{Error, Result, positive};
 /// natural sizes, with [`load_weight`](Path::load_weight) times the change of the load factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
-    /// The load factor: fails at limit points.
+    /// The load factor: stops at limit points, with the last equilibrium before them, and jumps to no
+    /// other branch.
     Load,
     /// The displacement of the coordinate with this index (see `System::coordinate`): fails where
     /// it turns back.
