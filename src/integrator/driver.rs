@@ -4,7 +4,7 @@
 
 use super::event::{Crossing, Event, Never, Watch, locate};
 use super::observe::{Log, Refusal, Silent, Step};
-use super::pace::Pace;
+use super::pace::{Pace, even};
 use super::progress::{Checkpoint, Progress};
 use super::stepping::{Adaptive, Stepping};
 use super::{Method, Scheme};
@@ -596,12 +596,3 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
 
 /// Rounding units of the time below which a step is none.
 const TICKS: f64 = 4.0;
-
-/// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
-fn even<R: Real>(left: R, step: R) -> R {
-    match left {
-        left if left <= step => left,
-        left if left < step * R::lit(2.0) => left * R::lit(0.5),
-        _ => step,
-    }
-}
