@@ -35,7 +35,7 @@ pub struct Newton {
     /// stretched ones of high energy, and shortened corrections creep. Without effect where there are
     /// nonlinear constraints, and along paths, where the load gives way instead: a wire that full
     /// corrections cannot hang at once takes three points of an arc length without
-    /// [`load_weight`](super::Path::load_weight), 16 corrections and no refused step.
+    /// [`load_weight`](crate::solver::Path::load_weight), 16 corrections and no refused step.
     pub line_search: bool,
 }
 
