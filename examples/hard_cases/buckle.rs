@@ -160,7 +160,10 @@ where
 /// A cantilever stiff in its plane under a tip load, which buckles sideways at
 /// `4.01260 sqrt(EI GJ) / L^2` (Prandtl 1899, Michell 1899) when rigid in the plane; and the path
 /// with a small force across.
-fn lateral(across: f64) -> Row {
+fn lateral<R: Real>(across: f64) -> Row
+where
+    StructuralMechanics<R>: Formulation<R, Quadratic, 3, 9>,
+{
     const PRANDTL: f64 = 4.012_599;
     Row {
         family: "lateral",
@@ -168,7 +171,7 @@ fn lateral(across: f64) -> Row {
             0.0 => "lateral buckling, critical load".into(),
             _ => format!("lateral buckling, {across:.0e} of the load across"),
         },
-        number: number::<f64>(),
+        number: number::<R>(),
         form: "structural",
         truth: "Prandtl",
         parameter: across,
@@ -181,34 +184,39 @@ fn lateral(across: f64) -> Row {
         long: false,
         run: Box::new(move || {
             let stiffness = BeamStiffness {
-                axial: 1e6,
-                shear: [1e6; 2],
-                torsion: 1.0,
-                bending: [1.0, 1e4],
+                axial: R::lit(1e6),
+                shear: [R::lit(1e6); 2],
+                torsion: R::one(),
+                bending: [R::one(), R::lit(1e4)],
             };
+            let (zero, one) = (R::zero(), R::one());
             let rule = StructuralMechanics::with_stiffness(stiffness)?;
-            let beam = Beam::new(Quadratic, Moments::new(1.0, 1.0, 1.0)?, rule);
-            let mut scene = Scene::<f64, 3>::new();
-            let beam = scene.add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 8))?;
+            let beam = Beam::new(Quadratic, Moments::new(one, one, one)?, rule);
+            let mut scene = Scene::<R, 3>::new();
+            let beam = scene.add(beam.straight([zero; 3], [one, zero, zero], 8))?;
             scene.clamp(beam.start())?;
-            scene.force(beam.end(), [0.0, PRANDTL, PRANDTL * across])?;
+            let force = [0.0, PRANDTL, PRANDTL * across].map(R::lit);
+            scene.force(beam.end(), force)?;
             let system = scene.assemble()?;
             let at = system.coordinate(beam.end(), NodalVector::Position)? + 2;
-            let settings = Path::by(Control::Sphere, 0.05);
-            let mut path = Continuation::start(&system, system.rest(), 0.0, &settings)?;
+            let settings = Path {
+                locate: Some(R::EPSILON.sqrt().max(1e-6)),
+                ..Path::by(Control::Sphere, 0.05)
+            };
+            let mut path = Continuation::start(&system, system.rest(), zero, &settings)?;
             if across == 0.0 {
                 path.until(Target::Critical, |_| {})?;
-                let factor = path.criticals()[0].factor;
+                let factor = path.criticals()[0].factor.value();
                 return Ok(Answer::path(factor, 1.0, &path));
             }
             let mut curve = vec![[0.0, 0.0]];
             let mut found = f64::NAN;
-            path.until(Target::Factor(1.3), |point| {
-                let aside = point.state.displacement[at];
+            path.until(Target::Factor(R::lit(1.3)), |point| {
+                let aside = point.state.displacement[at].value();
                 if found.is_nan() && aside.abs() > 0.1 {
-                    found = point.factor;
+                    found = point.factor.value();
                 }
-                curve.push([aside, point.factor]);
+                curve.push([aside, point.factor.value()]);
             })?;
             Ok(Answer::path(found, 1.0, &path).with_curve(curve))
         }),
@@ -228,6 +236,7 @@ pub fn rows() -> Vec<Row> {
     for axial in [1e4, 1e6, 1e8, 1e10] {
         rows.extend([column::<f64>(axial), column::<f32>(axial)]);
     }
-    rows.extend([0.0, 1e-2, 1e-3, 1e-4].map(lateral));
+    rows.extend([0.0, 1e-2, 1e-3, 1e-4].map(lateral::<f64>));
+    rows.extend([0.0, 1e-2].map(lateral::<f32>));
     rows
 }

@@ -243,13 +243,14 @@ fn motion(rows: &[Done], out: &Path) -> Drawn {
         series,
     )];
     let swings: Vec<_> = answers(rows, "pendulum", "f64", "")
-        .map(|(_, answer)| {
-            let name = "energy-momentum, viscosity 1e-3";
-            Series::new(name, colour::PINK, Stroke::Solid, answer.curve.clone())
+        .zip([colour::BLUE, colour::GREEN, colour::PINK])
+        .map(|((done, answer), tint)| {
+            Series::new(done.row.form, tint, Stroke::Solid, answer.curve.clone())
         })
         .collect();
-    if let Some(swing) = swings.first() {
-        let low = swing.points.iter().map(|p| p[1]).fold(0.0, f64::min);
+    if !swings.is_empty() {
+        let points = swings.iter().flat_map(|swing| &swing.points);
+        let low = points.map(|p| p[1]).fold(0.0, f64::min);
         let low = (low * 1.1).min(-0.1);
         panels.push(panel(
             "pendulum of 6 elements, 60 s at 1 ms",

@@ -11,33 +11,40 @@ use crate::row::{Answer, Claim, Row, number};
 
 /// Statics without loads from a state whose sections have been squeezed to `share` of their size:
 /// the only stable equilibrium is rest.
-fn squeezed(share: f64, claim: Claim) -> Row {
+fn squeezed<R: Real>(share: f64, claim: Claim) -> Row
+where
+    Continuum<SaintVenantKirchhoff<R, 2>>: Formulation<R, FullyParameterised, 2, 6>,
+{
     Row {
         family: "inverted",
         case: format!("sections squeezed to {share} of their size, let go"),
-        number: "f64",
+        number: number::<R>(),
         form: "full",
         truth: "rest",
         parameter: share,
         claim,
         long: false,
         run: Box::new(move || {
-            let solid = SaintVenantKirchhoff::<f64, 2>::isotropic(2e7, 0.0)?;
-            let mut scene = Scene::<f64, 2>::new();
-            let beam = Beam::new(FullyParameterised, Disk::new(0.05)?, Continuum::full(solid));
-            let beam = scene.add(beam.straight([0.0; 2], [1.0, 0.0], 4))?;
+            let solid = SaintVenantKirchhoff::<R, 2>::isotropic(R::lit(2e7), R::zero())?;
+            let mut scene = Scene::<R, 2>::new();
+            let beam = Beam::new(
+                FullyParameterised,
+                Disk::new(R::lit(0.05))?,
+                Continuum::full(solid),
+            );
+            let beam = scene.add(beam.straight([R::zero(); 2], [R::one(), R::zero()], 4))?;
             scene.clamp(beam.start())?;
             let system = scene.assemble()?;
             let mut state = system.rest();
             for node in 1..beam.nodes() {
                 let at = system.coordinate(beam.node(node), NodalVector::Slope(1))?;
-                state.displacement[at + 1] = share - 1.0;
+                state.displacement[at + 1] = R::lit(share - 1.0);
             }
             let report = Statics::default().solve(&system, &mut state)?;
             let left = state
                 .displacement
                 .iter()
-                .fold(0.0_f64, |m, u| m.max(u.abs()));
+                .fold(0.0_f64, |m, u| m.max(u.value().abs()));
             // An equilibrium that is reported as unstable is not taken for rest by anyone.
             let told = report.unstable.is_none_or(|n| n > 0);
             let error = if told && left > 0.1 { 0.0 } else { left };
@@ -48,11 +55,14 @@ fn squeezed(share: f64, claim: Claim) -> Row {
 
 /// A rod pressed along its axis by `load` of `EA`: up to 0.19245 it can carry, by
 /// `P / EA = (lambda - lambda^3) / 2`.
-fn pressed(load: f64, claim: Claim) -> Row {
+fn pressed<R: Real>(load: f64, claim: Claim) -> Row
+where
+    Continuum<SaintVenantKirchhoff<R, 2>>: Formulation<R, FullyParameterised, 2, 6>,
+{
     Row {
         family: "inverted",
         case: format!("rod pressed by {load} EA"),
-        number: "f64",
+        number: number::<R>(),
         form: "zero Poisson",
         truth: "softening of the material",
         parameter: load,
@@ -60,20 +70,20 @@ fn pressed(load: f64, claim: Claim) -> Row {
         long: false,
         run: Box::new(move || {
             let (young, radius) = (2e7, 0.05_f64);
-            let solid = SaintVenantKirchhoff::<f64, 2>::isotropic(young, 0.0)?;
-            let mut scene = Scene::<f64, 2>::new();
+            let solid = SaintVenantKirchhoff::<R, 2>::isotropic(R::lit(young), R::zero())?;
+            let mut scene = Scene::<R, 2>::new();
             let form = Continuum::full(solid);
-            let beam = Beam::new(FullyParameterised, Disk::new(radius)?, form);
-            let beam = scene.add(beam.straight([0.0; 2], [0.1, 0.0], 2))?;
+            let beam = Beam::new(FullyParameterised, Disk::new(R::lit(radius))?, form);
+            let beam = scene.add(beam.straight([R::zero(); 2], [R::lit(0.1), R::zero()], 2))?;
             scene.pin(beam.start())?;
             scene.fix(beam.start(), NodalVector::Slope(1), [true, false])?;
             let force = load * young * PI * radius * radius;
-            scene.force(beam.end(), [-force, 0.0])?;
+            scene.force(beam.end(), [R::lit(-force), R::zero()])?;
             let system = scene.assemble()?;
             let mut state = system.rest();
             let report = Statics::in_steps(10).solve(&system, &mut state)?;
             let [x, _] = system.position(&state, beam.end())?;
-            let stretch: f64 = x / 0.1;
+            let stretch = x.value() / 0.1;
             let carried = 0.5 * (stretch - stretch.powi(3));
             Ok(Answer::statics(carried, load, &report))
         }),
@@ -151,13 +161,20 @@ where
 /// All rows of this file.
 pub fn rows() -> Vec<Row> {
     let mut rows = Vec::new();
-    for (share, limit) in [(0.7, 1e-9), (0.58, 1e-9), (0.3, 1e-9), (1e-3, 1e-9)] {
-        rows.push(squeezed(share, Claim::Within(limit)));
+    for share in [0.7, 0.58, 0.3, 1e-3] {
+        rows.push(squeezed::<f64>(share, Claim::Within(1e-9)));
+        rows.push(squeezed::<f32>(share, Claim::Within(1e-4)));
     }
-    rows.extend([0.0, -0.5, -1.0].map(|share| squeezed(share, Claim::Refusal)));
-    rows.push(pressed(0.19, Claim::Within(1e-8)));
-    rows.push(pressed(0.2, Claim::Refusal));
-    rows.push(pressed(10.0, Claim::Refusal));
+    for share in [0.0, -0.5, -1.0] {
+        rows.push(squeezed::<f64>(share, Claim::Refusal));
+        rows.push(squeezed::<f32>(share, Claim::Refusal));
+    }
+    rows.push(pressed::<f64>(0.19, Claim::Within(1e-8)));
+    rows.push(pressed::<f32>(0.19, Claim::Within(1e-4)));
+    for load in [0.2, 10.0] {
+        rows.push(pressed::<f64>(load, Claim::Refusal));
+        rows.push(pressed::<f32>(load, Claim::Refusal));
+    }
     for origin in [0.0, 1e3, 1e6] {
         rows.extend([far::<f64>(origin), far::<f32>(origin)]);
     }

@@ -176,8 +176,8 @@ pub fn rows() -> Vec<Row> {
     for remedy in ["full", "reduced", "selective", "zero Poisson"] {
         rows.extend(POISSON.map(|nu| poisson::<f64>(nu, remedy)));
     }
-    for remedy in ["full", "selective"] {
-        rows.extend([0.3, 0.4999, 0.499_999_9].map(|nu| poisson::<f32>(nu, remedy)));
+    for remedy in ["full", "reduced", "selective", "zero Poisson"] {
+        rows.extend([0.0, 0.3, 0.4999, 0.499_999_9].map(|nu| poisson::<f32>(nu, remedy)));
     }
     for (case, parts, radius) in [
         ("10 000 elements", &[(10_000, 1.0)][..], 1e-1),

@@ -145,6 +145,7 @@ impl Watch {
                 self.run(system, method, &Newmark::trapezoidal().with_newton(newton))
             }
             Integrator::Alpha => self.run(system, method, &alpha.with_newton(newton)),
+            Integrator::Hht => self.run(system, method, &Newmark::hht(0.1).with_newton(newton)),
             Integrator::Midpoint => self.run(system, method, &Midpoint { newton }),
             // To rounding, as it must be, or energy is not kept.
             Integrator::Energy => self.run(system, method, &energy),
@@ -200,6 +201,8 @@ pub enum Integrator {
     Trapezoidal,
     /// Generalised-alpha with a spectral radius of 0.8.
     Alpha,
+    /// Hilber, Hughes and Taylor's method with a parameter of 0.1.
+    Hht,
     /// Implicit midpoint rule.
     Midpoint,
     /// The conserving energy-momentum method.
@@ -218,6 +221,7 @@ impl Integrator {
         match self {
             Self::Trapezoidal => "trapezoidal".into(),
             Self::Alpha => "generalised-alpha".into(),
+            Self::Hht => "HHT".into(),
             Self::Midpoint => "midpoint".into(),
             Self::Energy => "energy-momentum".into(),
             Self::Gauss(s) => format!("Gauss {s}"),

@@ -187,14 +187,15 @@ impl Problem {
             limit: rods,
         };
         self.sweep::<f64, _, _, 2, 4>(s, &cable, &fine, &ours)?;
+        let explicit = [0.9, 0.3].map(|share| Method {
+            integrator: Integrator::Central,
+            refresh: Refresh::Never,
+            stepping: Stepping::Stable(share),
+        });
+        self.sweep::<f64, _, _, 2, 4>(s, &cable, &fine[..4], &explicit)?;
+        // The sections of the steel beam in the ramp move a thousand times faster than its axis.
         if self == Self::Pendulum {
-            let explicit = [0.9, 0.3].map(|share| Method {
-                integrator: Integrator::Central,
-                refresh: Refresh::Never,
-                stepping: Stepping::Stable(share),
-            });
             self.sweep::<f64, _, _, 2, 6>(s, &model, &fine[..4], &explicit)?;
-            self.sweep::<f64, _, _, 2, 4>(s, &cable, &fine[..4], &explicit)?;
         }
 
         // What the integrators themselves miss.

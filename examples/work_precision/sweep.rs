@@ -200,6 +200,7 @@ pub fn all(base: f64) -> Vec<Method> {
     for integrator in [
         Integrator::Trapezoidal,
         Integrator::Alpha,
+        Integrator::Hht,
         Integrator::Midpoint,
         Integrator::Energy,
         Integrator::Gauss(2),

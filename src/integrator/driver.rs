@@ -2,15 +2,15 @@
 //! limit, or steps chosen so that the local error stays at a tolerance. Observers see every
 //! accepted step and cannot change it, a log sees every other; an event ends the run where it happens.
 
-use super::checkpoint::{Checkpoint, Progress};
 use super::event::{Crossing, Event, Never, Watch, locate};
-use super::observe::{Ending, Log, Observation, Refusal, Silent, Step};
-use super::pace::Pace;
+use super::observe::{Log, Refusal, Silent, Step};
+use super::pace::{Pace, even};
+use super::progress::{Checkpoint, Progress};
 use super::stepping::{Adaptive, Stepping};
 use super::{Method, Scheme};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
-use crate::solver::{State, Structure};
+use crate::solver::{Ending, Observation, State, Structure, Tape};
 
 /// What a run took so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -142,9 +142,10 @@ impl<'a, R: Real, S: Structure<R>, M: Method<R>> Integration<'a, R, S, M> {
         checkpoint: &Checkpoint<R>,
         scheme: &impl Scheme<R, Method = M>,
     ) -> Result<Self> {
-        checkpoint.check(structure, &format!("{scheme:?}"))?;
+        checkpoint.check(structure, ("scheme", &format!("{scheme:?}")))?;
+        checkpoint.progress().check()?;
         let mut run = Self::start(structure, checkpoint.state().clone(), scheme)?;
-        checkpoint.restore(&mut run.method)?;
+        checkpoint.restore(|tape| run.method.history(tape))?;
         run.state.clone_from(checkpoint.state());
         run.progress = checkpoint.progress().clone();
         Ok(run)
@@ -213,15 +214,10 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
     /// # Errors
     /// When a number that belongs to it is not finite.
     pub fn checkpoint(&mut self) -> Result<Checkpoint<R>> {
-        let progress = self.progress.clone();
-        let state = self.state.clone();
-        Checkpoint::take(
-            self.structure,
-            &self.scheme,
-            state,
-            progress,
-            &mut self.method,
-        )
+        let (state, progress) = (self.state.clone(), self.progress.clone());
+        progress.check()?;
+        let history = |tape: &mut Tape<R>| self.method.history(tape);
+        Checkpoint::take(self.structure, &self.scheme, state, progress, history)
     }
 
     /// One step of `step` seconds. Allocates nothing.
@@ -600,12 +596,3 @@ impl<R: Real, S: Structure<R>, M: Method<R>, L: Log<R>> Integration<'_, R, S, M,
 
 /// Rounding units of the time below which a step is none.
 const TICKS: f64 = 4.0;
-
-/// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
-fn even<R: Real>(left: R, step: R) -> R {
-    match left {
-        left if left <= step => left,
-        left if left < step * R::lit(2.0) => left * R::lit(0.5),
-        _ => step,
-    }
-}

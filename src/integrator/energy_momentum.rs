@@ -76,7 +76,9 @@ impl Default for EnergyMomentum {
 
 impl EnergyMomentum {
     /// Energy and momenta kept to rounding, Newton's method run to it. Its tangent, not symmetric
-    /// and so dearer than others, is renewed when it is slow.
+    /// and so dearer than others, is renewed when it is slow, which takes least time; renewed in every
+    /// iteration ([`Refresh::EveryIteration`]) it halves the iterations where steps do not resolve the
+    /// motion.
     pub fn conserving() -> Self {
         Self {
             viscosity: 0.0,
@@ -90,7 +92,9 @@ impl EnergyMomentum {
     }
 
     /// Momenta kept, energy let down by this [`viscosity`](Self::viscosity) (0.5 damps unresolved
-    /// motion most).
+    /// motion most). Motion that steps do not resolve loses a few times this share of its energy in
+    /// each of them, resolved motion less by the square of the step over its period: 1e-8 is small
+    /// enough for a minute of a whipping pendulum at 1 ms to lose less than 0.1 % (example `long_run`).
     pub fn dissipating(viscosity: f64) -> Self {
         let mut method = Self::conserving();
         method.viscosity = viscosity;

@@ -12,7 +12,6 @@
 //! | [`Collocation::gauss`], [`Collocation::radau`] | 3 to 6 | accuracy; Radau's dissipates what it does not resolve |
 //! | [`CentralDifference`] | 2 | explicit: impacts and waves, steps below the stability limit |
 
-mod checkpoint;
 mod collocation;
 mod driver;
 mod energy_momentum;
@@ -23,9 +22,9 @@ mod midpoint;
 mod newmark;
 mod observe;
 mod pace;
+mod progress;
 mod stepping;
 
-pub use checkpoint::Checkpoint;
 pub use collocation::{Collocation, CollocationMethod};
 pub use driver::{Integration, RunReport};
 pub use energy_momentum::{EnergyMomentum, EnergyMomentumMethod};
@@ -33,8 +32,11 @@ pub use event::Crossing;
 pub use explicit::{CentralDifference, CentralDifferenceMethod};
 pub use midpoint::{Midpoint, MidpointMethod};
 pub use newmark::{Estimator, Newmark, NewmarkMethod};
-pub use observe::{Ending, Log, Observation, Refusal, Silent, Step};
+pub use observe::{Log, Refusal, Silent, Step};
+pub use progress::Checkpoint;
 pub use stepping::{Adaptive, Stepping};
+
+pub use crate::solver::{Ending, Observation};
 
 use crate::error::{Error, Result};
 use crate::scalar::Real;

@@ -1,6 +1,4 @@
-//! What observers and the log of a run see, and what observers may answer.
-
-use std::ops::ControlFlow;
+//! What observers and the log of a run see.
 
 use super::RunReport;
 use crate::error::{Error, Result};
@@ -70,45 +68,6 @@ impl<R: Real> Step<'_, R> {
         let missed = y * (before.acceleration[i] - a0) + x * (after.acceleration[i] - a1);
         let bubble = x * x * y * y * step * step * R::lit(0.5);
         Ok(u0 + cubic + bubble * missed)
-    }
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ending {
-    /// The end asked for is reached.
-    End,
-    /// The event happened.
-    Event,
-    /// The observer stopped the run, which can go on from there as if it had not been stopped.
-    Stopped,
-}
-
-/// What an observer may return: nothing, a [`ControlFlow`] whose `Break` stops the run after the
-/// step, or a [`Result`] of either, whose error ends the run after the step.
-pub trait Observation {
-    /// Whether the run goes on.
-    ///
-    /// # Errors
-    /// The observer's own.
-    fn flow(self) -> Result<ControlFlow<()>>;
-}
-
-impl Observation for () {
-    fn flow(self) -> Result<ControlFlow<()>> {
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
-impl Observation for ControlFlow<()> {
-    fn flow(self) -> Result<ControlFlow<()>> {
-        Ok(self)
-    }
-}
-
-impl<O: Observation> Observation for Result<O> {
-    fn flow(self) -> Result<ControlFlow<()>> {
-        self?.flow()
     }
 }
 

@@ -1,4 +1,5 @@
-//! Equal steps, counted: where a run stands among them, also within one that is made of parts.
+//! Equal steps, counted: where a run stands among them, also within one that is made of parts; and the
+//! last steps before an end.
 
 use crate::scalar::Real;
 
@@ -104,5 +105,14 @@ impl<R: Real> Pace<R> {
                 self.to - self.piece() * R::lit(left)
             }
         }
+    }
+}
+
+/// A step towards an end `left` seconds away: two even steps rather than one and a sliver.
+pub(super) fn even<R: Real>(left: R, step: R) -> R {
+    match left {
+        left if left <= step => left,
+        left if left < step * R::lit(2.0) => left * R::lit(0.5),
+        _ => step,
     }
 }

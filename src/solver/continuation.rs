@@ -3,7 +3,9 @@
 
 use super::critical::Critical;
 use super::newton::{Changes, Equations, Rest, Solved, Stability, Workspace};
+use super::observation::{Ending, Observation};
 use super::path::{Control, Path, PathPoint, PathReport, Target, check_coordinate};
+use super::progress::PathRefusal;
 use super::{Rate, State, Structure};
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
@@ -18,7 +20,7 @@ pub struct Continuation<'a, R: Real, S> {
     pub(super) factor: R,
     pub(super) stability: Stability,
     /// The same of the point before.
-    was: Stability,
+    pub(super) was: Stability,
     /// The point before, once there is one.
     pub(super) before: Option<(Vec<R>, R)>,
     /// Displacements tried.
@@ -27,9 +29,10 @@ pub struct Continuation<'a, R: Real, S> {
     pub(super) spare: Vec<R>,
     /// Changes by a unit of the load at the start of the step.
     tangent: Vec<R>,
-    step: R,
-    criticals: Vec<Critical<R>>,
-    report: PathReport,
+    pub(super) step: R,
+    pub(super) criticals: Vec<Critical<R>>,
+    pub(super) report: PathReport,
+    refusals: Vec<PathRefusal<R>>,
 }
 
 impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
@@ -41,11 +44,29 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     /// For settings out of range, a state of the wrong size or with values that are not finite, and
     /// those of Newton's method when there is no equilibrium near.
     pub fn start(structure: &'a S, state: State<R>, factor: R, settings: &Path) -> Result<Self> {
+        let mut path = Self::at(structure, state, factor, settings)?;
+        let structure = path.structure;
+        structure.impose(path.state.time, Rate::Displacement, &mut path.u)?;
+        let equations = path.equations(factor);
+        path.workspace
+            .solve(structure, &settings.newton, &equations, &mut path.u)?;
+        path.state.displacement.copy_from_slice(&path.u);
+        path.look()?;
+        Ok(path)
+    }
+
+    /// A path at a state, which is taken for an equilibrium.
+    pub(super) fn at(
+        structure: &'a S,
+        state: State<R>,
+        factor: R,
+        settings: &Path,
+    ) -> Result<Self> {
         let size = structure.unknowns().coordinates();
         settings.check(size)?;
         state.check(size)?;
         finite("load factor", factor)?;
-        let mut path = Self {
+        Ok(Self {
             structure,
             settings: *settings,
             workspace: Workspace::new(structure),
@@ -60,14 +81,8 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             step: R::lit(settings.first),
             criticals: Vec::new(),
             report: PathReport::default(),
-        };
-        structure.impose(path.state.time, Rate::Displacement, &mut path.u)?;
-        let equations = path.equations(factor);
-        path.workspace
-            .solve(structure, &settings.newton, &equations, &mut path.u)?;
-        path.state.displacement.copy_from_slice(&path.u);
-        path.look()?;
-        Ok(path)
+            refusals: Vec::new(),
+        })
     }
 
     /// The last equilibrium found.
@@ -99,6 +114,11 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     /// The limit and bifurcation points passed so far.
     pub fn criticals(&self) -> &[Critical<R>] {
         &self.criticals
+    }
+
+    /// The steps tried and not taken since the path was started or resumed, with the reasons.
+    pub fn refusals(&self) -> &[PathRefusal<R>] {
+        &self.refusals
     }
 
     /// One step: its length is halved until it succeeds, and adapted to the number of corrections
@@ -133,16 +153,19 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         }
     }
 
-    /// Steps until the target and shows every point to `observe`.
+    /// Steps until the target, showing every point to `observe`, and says whether it came there or
+    /// the observer stopped it. What was stopped goes on by another call, to the last bit as if it
+    /// had not been stopped.
     ///
     /// # Errors
     /// Those of [`step`](Self::step), [`Error::TargetMissed`] after [`Path::points`],
-    /// [`Error::NoSuchCoordinate`], a target that is not finite.
-    pub fn until(
+    /// [`Error::NoSuchCoordinate`], a target that is not finite, and those of the observer; the last
+    /// equilibrium is kept.
+    pub fn until<O: Observation>(
         &mut self,
         target: Target<R>,
-        mut observe: impl FnMut(&PathPoint<'_, R>),
-    ) -> Result<()> {
+        mut observe: impl FnMut(&PathPoint<'_, R>) -> O,
+    ) -> Result<Ending> {
         match target {
             Target::Coordinate(c, value) => {
                 check_coordinate(c, self.u.len())?;
@@ -162,7 +185,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 _ => self.distance(target).is_zero(),
             };
             if arrived {
-                return Ok(());
+                return Ok(Ending::End);
             }
             let far = self.distance(target);
             let passed = self.criticals.len();
@@ -175,13 +198,18 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
                 self.criticals.truncate(passed);
             }
             points += 1;
-            observe(&PathPoint {
+            let flow = observe(&PathPoint {
                 state: &self.state,
                 factor: self.factor,
                 unstable: self.stability.unstable,
+                report: &self.report,
             });
+            let stopped = flow.flow()?.is_break();
             if landed {
-                return Ok(());
+                return Ok(Ending::End);
+            }
+            if stopped {
+                return Ok(Ending::Stopped);
             }
         }
         Err(Error::TargetMissed {
@@ -310,6 +338,11 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Halves the step after a failure.
     fn cut(&mut self, cause: Error) -> Result<()> {
+        self.refusals.push(PathRefusal {
+            factor: self.factor,
+            step: self.step,
+            cause: cause.clone(),
+        });
         self.step *= R::lit(0.5);
         self.report.cutbacks += 1;
         if self.step.abs() < R::lit(self.settings.shortest) {
@@ -357,7 +390,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Tries a step of this size from the last point into `u`; returns its load factor.
     pub(super) fn advance(&mut self, step: R) -> Result<(Solved, R)> {
-        let mut equations = self.equations(self.factor);
+        let equations = self.equations(self.factor);
         let Self {
             structure,
             settings,
@@ -372,95 +405,89 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let (structure, newton) = (*structure, &settings.newton);
         u.copy_from_slice(&state.displacement);
         let here = &state.displacement;
-        let weight = R::lit(settings.load_weight * settings.load_weight);
-        // Change of the load factor so far.
-        let mut total = R::zero();
-        let result = match settings.control {
-            Control::Load => {
-                equations.factor += step;
-                workspace
-                    .solve(structure, newton, &equations, u)
-                    .map(|solved| (solved, equations.factor))?
-            }
-            Control::Coordinate(c) => {
-                let mut choice = |changes: &Changes<'_, R>| {
-                    Some((step - changes.moved[c] - changes.residual[c]) / changes.load[c])
-                };
-                workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?
-            }
-            Control::Sphere | Control::Plane => {
-                let forward = if step < R::zero() {
-                    -R::one()
-                } else {
-                    R::one()
-                };
-                let mut first = true;
-                let mut choice = |changes: &Changes<'_, R>| {
-                    let Changes {
-                        moved,
-                        residual,
-                        load,
-                    } = changes;
-                    let inner = |a: &dyn Fn(usize) -> R, b: &dyn Fn(usize) -> R| {
-                        mean(structure, |i| a(i) * b(i))
-                    };
-                    let change = if std::mem::take(&mut first) {
-                        let along = match &before {
-                            None => forward,
-                            Some((old, from)) => {
-                                inner(&|i| here[i] - old[i], &|i| load[i])
-                                    + weight * (*factor - *from)
-                            }
-                        };
-                        tangent.copy_from_slice(load);
-                        let size = (inner(&|i| load[i], &|i| load[i]) + weight).sqrt();
-                        let length = step.abs() / size;
-                        if along < R::zero() { -length } else { length }
-                    } else if settings.control == Control::Plane {
-                        let off = inner(&|i| moved[i], &|i| residual[i]);
-                        -off / (inner(&|i| moved[i], &|i| load[i]) + weight * total)
-                    } else {
-                        let to = |i: usize| moved[i] + residual[i];
-                        let a = inner(&|i| load[i], &|i| load[i]) + weight;
-                        let b = inner(&|i| load[i], &to) + weight * total;
-                        let c = inner(&to, &to) + weight * total * total - step * step;
-                        let root = b * b - a * c;
-                        if root < R::zero() {
-                            return None;
-                        }
-                        let ahead = inner(&|i| moved[i], &|i| load[i]) + weight * total;
-                        let root = super::norm(root);
-                        // Without cancellation.
-                        let sum = -(b + if b < R::zero() { -root } else { root });
-                        let (one, two) = (sum / a, c / sum);
-                        if (one > two) == (ahead > R::zero()) {
-                            one
-                        } else {
-                            two
-                        }
-                    };
-                    total += change;
-                    Some(change)
-                };
-                let solved =
-                    workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?;
-                let change = solved.1 - *factor;
-                let moved = square(structure, |i| u[i] - here[i]) + weight * change * change;
-                let ahead = mean(structure, |i| (u[i] - here[i]) * tangent[i]) + weight * change;
-                let slope = square(structure, |i| tangent[i]) + weight;
-                // Far beyond the step asked for, or more than 45 degrees off its start.
-                if moved > R::lit(4.0) * step * step || ahead * ahead < R::lit(0.5) * moved * slope
-                {
-                    return Err(Error::Unconverged {
-                        reason: "the path bends too much, or another one was met",
-                        iterations: solved.0.iterations,
-                        residual: solved.0.residual,
-                    });
-                }
-                solved
-            }
+        let arc = matches!(settings.control, Control::Sphere | Control::Plane);
+        // A jump shows in displacements: the load is no part of it where it is prescribed.
+        let weight = match arc {
+            true => R::lit(settings.load_weight * settings.load_weight),
+            false => R::zero(),
         };
-        Ok(result)
+        let forward = match step < R::zero() {
+            true => -R::one(),
+            false => R::one(),
+        };
+        // Change of the load factor so far, and the first.
+        let (mut total, mut first) = (R::zero(), None);
+        let mut choice = |changes: &Changes<'_, R>| {
+            let Changes {
+                moved,
+                residual,
+                load,
+            } = changes;
+            let inner =
+                |a: &dyn Fn(usize) -> R, b: &dyn Fn(usize) -> R| mean(structure, |i| a(i) * b(i));
+            let change = match settings.control {
+                Control::Load => step - total,
+                Control::Coordinate(c) => (step - moved[c] - residual[c]) / load[c],
+                _ if first.is_none() => {
+                    let along = match &before {
+                        None => forward,
+                        Some((old, from)) => {
+                            inner(&|i| here[i] - old[i], &|i| load[i]) + weight * (*factor - *from)
+                        }
+                    };
+                    let size = (inner(&|i| load[i], &|i| load[i]) + weight).sqrt();
+                    let length = step.abs() / size;
+                    if along < R::zero() { -length } else { length }
+                }
+                Control::Plane => {
+                    let off = inner(&|i| moved[i], &|i| residual[i]);
+                    -off / (inner(&|i| moved[i], &|i| load[i]) + weight * total)
+                }
+                Control::Sphere => {
+                    let to = |i: usize| moved[i] + residual[i];
+                    let a = inner(&|i| load[i], &|i| load[i]) + weight;
+                    let b = inner(&|i| load[i], &to) + weight * total;
+                    let c = inner(&to, &to) + weight * total * total - step * step;
+                    let root = b * b - a * c;
+                    if root < R::zero() {
+                        return None;
+                    }
+                    let ahead = inner(&|i| moved[i], &|i| load[i]) + weight * total;
+                    let root = super::norm(root);
+                    // Without cancellation.
+                    let sum = -(b + if b < R::zero() { -root } else { root });
+                    let (one, two) = (sum / a, c / sum);
+                    if (one > two) == (ahead > R::zero()) {
+                        one
+                    } else {
+                        two
+                    }
+                }
+            };
+            if first.is_none() {
+                tangent.copy_from_slice(load);
+                first = Some(change);
+            }
+            total += change;
+            Some(change)
+        };
+        let solved = workspace.solve_along(structure, newton, &equations, Some(&mut choice), u)?;
+        let (change, first) = (solved.1 - *factor, first.unwrap_or(R::zero()));
+        let moved = square(structure, |i| u[i] - here[i]) + weight * change * change;
+        let ahead = mean(structure, |i| (u[i] - here[i]) * tangent[i]) + weight * change;
+        let slope = square(structure, |i| tangent[i]) + weight;
+        // Far beyond where the path was heading at first, back, or more than 45 degrees off.
+        let beyond = moved > R::lit(4.0) * first * first * slope;
+        let back = ahead * first < R::zero();
+        let off = ahead * ahead < R::lit(0.5) * moved * slope;
+        if slope > R::zero() && (beyond || back || off) {
+            return Err(Error::Unconverged {
+                reason: "the path bends too much, or another one was met",
+                iterations: solved.0.iterations,
+                residual: solved.0.residual,
+            });
+        }
+        Ok(solved)
     }
 }
 

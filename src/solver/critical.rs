@@ -13,6 +13,7 @@ use crate::scalar::Real;
 
 /// What happens at a critical point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Criticality {
     /// The load has an extremum: the critical direction does work with it.
     Limit,
@@ -22,6 +23,7 @@ pub enum Criticality {
 
 /// A limit or bifurcation point.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Critical<R> {
     /// Which of the two.
     pub kind: Criticality,

@@ -4,14 +4,17 @@
 //! masses over any [`Real`](crate::scalar::Real).
 
 pub mod band;
+mod checkpoint;
 mod continuation;
 mod critical;
 mod eigen;
 mod matrix;
 mod modes;
 mod newton;
+mod observation;
 mod order;
 mod path;
+mod progress;
 mod sparse;
 mod state;
 mod statics;
@@ -21,13 +24,16 @@ mod tape;
 mod unknowns;
 
 pub use band::{BandMatrix, Factor, Profile};
+pub use checkpoint::Checkpoint;
 pub use continuation::Continuation;
 pub use critical::{Critical, Criticality};
 pub use matrix::Matrix;
 pub use modes::{Mode, Modes};
 pub(crate) use newton::{Equations, Rest, Sample, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};
+pub use observation::{Ending, Observation};
 pub use path::{Control, Path, PathPoint, PathReport, Target};
+pub use progress::{PathCheckpoint, PathRefusal};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;

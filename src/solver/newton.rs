@@ -25,6 +25,7 @@ pub(crate) use work::Sample;
 
 /// What is known of an equilibrium's stability.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Stability {
     /// Negative eigenvalues of the tangent, where it is symmetric.
     pub(crate) unstable: Option<usize>,

@@ -10,7 +10,8 @@ use crate::error::{Error, Result, positive};
 /// natural sizes, with [`load_weight`](Path::load_weight) times the change of the load factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
-    /// The load factor: fails at limit points.
+    /// The load factor: stops at limit points, with the last equilibrium before them, and jumps to no
+    /// other branch.
     Load,
     /// The displacement of the coordinate with this index (see `System::coordinate`): fails where
     /// it turns back.
@@ -167,6 +168,7 @@ pub enum Target<R> {
 
 /// What a path took so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PathReport {
     /// Points found.
     pub points: usize,
@@ -187,4 +189,6 @@ pub struct PathPoint<'a, R> {
     pub factor: R,
     /// In how many directions it is unstable; `None` where the factorisation does not tell.
     pub unstable: Option<usize>,
+    /// What the path took so far, this point included.
+    pub report: &'a PathReport,
 }

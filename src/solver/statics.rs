@@ -11,6 +11,13 @@ use crate::scalar::Real;
 
 /// Static solver with load stepping.
 ///
+/// It looks for an equilibrium under the whole load, by steps as long as Newton's method bears. Such
+/// a step may end on another branch than it began on, as stable as the one left, which no count of
+/// unstable directions tells: a truss pushed beyond its limit is found snapped through. To be
+/// told of it, follow the path: [`Continuation`](super::Continuation) takes no point that does not go
+/// on from the last one, and with [`Control::Load`](super::Control::Load) it stops where `Statics`
+/// would jump.
+///
 /// Loads with a course in time are taken at the state's time. On failure the state holds the last
 /// equilibrium found, and the error says at which share of the load that was.
 #[derive(Debug, Clone, Copy, PartialEq)]

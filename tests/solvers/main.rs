@@ -4,4 +4,6 @@
 mod follower;
 mod loose;
 mod permanent;
+mod resume;
 mod search;
+mod truss;

@@ -32,8 +32,10 @@ pub struct Newton {
     /// Cables and nets that stand by their tension converge so from a straight or slack state under
     /// any load, where full corrections need many short load steps or fail; corrections that do not
     /// overshoot cost nothing. Not for bending: a thin beam comes to its bent state through
-    /// stretched ones of high energy, and shortened corrections creep. Without effect along paths
-    /// and where there are nonlinear constraints.
+    /// stretched ones of high energy, and shortened corrections creep. Without effect where there are
+    /// nonlinear constraints, and along paths, where the load gives way instead: a wire that full
+    /// corrections cannot hang at once takes three points of an arc length without
+    /// [`load_weight`](crate::solver::Path::load_weight), 16 corrections and no refused step.
     pub line_search: bool,
 }
 

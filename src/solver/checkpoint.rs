@@ -1,109 +1,61 @@
 //! Runs that are saved and go on later, in another process: a checkpoint is plain data, and its file
-//! format is the user's (with the feature `serde`).
+//! format is the user's (with the feature `serde`). Integrations and paths of equilibria are saved
+//! alike, and say themselves how far they have come.
 
-use super::Method;
-use super::driver::RunReport;
-use super::pace::Pace;
-use crate::error::{Error, Result, finite, positive};
+use super::{Record, State, Structure, Tape, norm};
+use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
-use crate::solver::{Record, State, Structure, Tape, norm};
 
-/// How far a run has come and what its step control remembers: all of it but the state and what the
-/// method remembers itself.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Progress<R> {
-    /// Time at which the integration began (s).
-    pub(super) start: R,
-    pub(super) report: RunReport,
-    /// Step the error control would take next (s).
-    pub(super) proposed: Option<R>,
-    /// Error of the last step accepted over the one allowed.
-    pub(super) error: f64,
-    /// Largest size of the motion so far.
-    pub(super) motion: R,
-    /// Equal steps under way.
-    pub(super) pace: Option<Pace<R>>,
-}
-
-impl<R: Real> Progress<R> {
-    pub(super) fn new(start: R) -> Self {
-        Self {
-            start,
-            report: RunReport::default(),
-            proposed: None,
-            error: 1.0,
-            motion: R::zero(),
-            pace: None,
-        }
-    }
-
-    fn check(&self) -> Result<()> {
-        finite("time at which the integration began [s]", self.start)?;
-        finite("largest size of the motion", self.motion)?;
-        positive("error of the last step over the one allowed", self.error)?;
-        if let Some(step) = self.proposed {
-            positive("time step proposed [s]", step)?;
-        }
-        Ok(())
-    }
-}
-
-/// A run at a step, to be resumed: taken by [`Integration::checkpoint`](super::Integration::checkpoint),
-/// used by [`Integration::resume`](super::Integration::resume).
+/// A run between two steps, to be resumed, with its progress `P`: an
+/// [integration](crate::integrator::Checkpoint) or a [path of equilibria](super::PathCheckpoint).
 ///
 /// With the feature `serde` it can be written in any format that keeps every bit of a number; all of
 /// its numbers are finite. Write it to a file of another name first and rename that, so that
 /// whatever interrupts the program leaves one that is whole (example `resume`).
 ///
-/// It knows the scheme and its settings, and the system by its size, its forces at the state and its
-/// mass: it does not resume with others.
+/// It knows the scheme or the path with its settings, and the system by its size, its forces at the
+/// state and its mass: it does not resume with others.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Checkpoint<R> {
-    /// Version of the library, number type and scheme.
+pub struct Checkpoint<R, P> {
+    /// Version of the library, number type, and scheme or path with its settings.
     version: String,
     number: String,
-    scheme: String,
+    settings: String,
     /// Norms of internal forces, external forces and momenta of a given motion, by which the system
     /// is known.
     system: [f64; 3],
     state: State<R>,
-    progress: Progress<R>,
-    /// What the method remembers.
+    progress: P,
+    /// What the solver or the method remembers.
     history: Record<R>,
 }
 
-impl<R: Real> Checkpoint<R> {
+impl<R: Real, P> Checkpoint<R, P> {
     /// The state at which it was taken.
     pub fn state(&self) -> &State<R> {
         &self.state
     }
 
-    /// What the run had taken up to there.
-    pub fn report(&self) -> RunReport {
-        self.progress.report
-    }
-
-    pub(super) fn progress(&self) -> &Progress<R> {
+    pub(crate) fn progress(&self) -> &P {
         &self.progress
     }
 
-    pub(super) fn take<S: Structure<R>>(
+    /// Takes one, with what `history` shows the tape; `settings` in words.
+    pub(crate) fn take<S: Structure<R>>(
         structure: &S,
-        scheme: &str,
+        settings: &str,
         state: State<R>,
-        progress: Progress<R>,
-        method: &mut impl Method<R>,
+        progress: P,
+        history: impl FnOnce(&mut Tape<R>) -> Result<()>,
     ) -> Result<Self> {
         state.check(structure.unknowns().coordinates())?;
-        progress.check()?;
         let mut tape = Tape::write();
-        method.history(&mut tape)?;
+        history(&mut tape)?;
         Ok(Self {
             version: VERSION.into(),
             number: std::any::type_name::<R>().into(),
-            scheme: scheme.into(),
+            settings: settings.into(),
             system: answer(structure, &state)?,
             state,
             progress,
@@ -111,19 +63,23 @@ impl<R: Real> Checkpoint<R> {
         })
     }
 
-    /// Refuses a checkpoint of another run, or a damaged one.
-    pub(super) fn check<S: Structure<R>>(&self, structure: &S, scheme: &str) -> Result<()> {
+    /// Refuses a checkpoint of a run with other settings, named by `what` they are of, or of another
+    /// system, or a damaged one.
+    pub(crate) fn check<S: Structure<R>>(
+        &self,
+        structure: &S,
+        (what, settings): (&'static str, &str),
+    ) -> Result<()> {
         for (what, given, needed) in [
             ("version of the library", &self.version[..], VERSION),
             ("number type", &self.number, std::any::type_name::<R>()),
-            ("scheme", &self.scheme, scheme),
+            (what, &self.settings, settings),
         ] {
             if given != needed {
                 return Err(foreign(what, given, needed));
             }
         }
         self.state.check(structure.unknowns().coordinates())?;
-        self.progress.check()?;
         let [internal, external, mass] = answer(structure, &self.state)?;
         let forces = internal.max(external);
         for ((what, now, scale), then) in [
@@ -152,9 +108,10 @@ impl<R: Real> Checkpoint<R> {
         Ok(())
     }
 
-    pub(super) fn restore(&self, method: &mut impl Method<R>) -> Result<()> {
+    /// Gives back to `history` what it showed when this was taken.
+    pub(crate) fn restore(&self, history: impl FnOnce(&mut Tape<R>) -> Result<()>) -> Result<()> {
         let mut tape = Tape::read(self.history.clone());
-        method.history(&mut tape)?;
+        history(&mut tape)?;
         tape.end()?;
         Ok(())
     }
@@ -191,6 +148,8 @@ fn answer<R: Real, S: Structure<R>>(structure: &S, state: &State<R>) -> Result<[
     let external = size(&mut q)?;
     let motion = |(i, size): (usize, &R)| *size * R::lit((i as f64 + 1.0).sin());
     let motion: Vec<R> = measure.iter().enumerate().map(motion).collect();
-    structure.add_mass_times(R::one(), &motion, &mut q);
+    if structure.has_mass() {
+        structure.add_mass_times(R::one(), &motion, &mut q);
+    }
     Ok([internal, external, size(&mut q)?])
 }
