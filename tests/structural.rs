@@ -173,7 +173,7 @@ fn a_moment_on_the_section_has_the_resultant_it_states() {
     for c in 0..3 {
         assert!((sum[c] - vector[c]).abs() < 1e-10, "{sum:?}");
     }
-    let tangent = ancf::verify::structure_tangent(&system, 0.0, &u).unwrap();
+    let tangent = verify::structure_tangent(&system, 0.0, &u).unwrap();
     tangent.report(1e3).into_result().unwrap();
 }
 

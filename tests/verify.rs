@@ -420,7 +420,7 @@ fn derivatives_by_dual_numbers_alone_are_not_shown_as_checked() {
         let rows = report.rows().iter().filter(|r| r.limit == Limit::Derived);
         rows.map(|row| row.check).collect::<BTreeSet<_>>()
     };
-    let solid = rubber::<3>();
+    let solid = rubber::<f64, 3>();
     let closed = verify::material(&solid);
     assert!(derived(&closed).is_empty(), "{closed}");
     let stress = verify::material(&ByStress(solid));
@@ -448,7 +448,7 @@ fn derivatives_by_dual_numbers_alone_are_not_shown_as_checked() {
     let closed = verify::formulation::<_, _, _, 3, 8>(&FullyParameterised, &solid, &disk, 0.3);
     let closed = closed.unwrap();
     assert!(derived(&closed).is_empty(), "{closed}");
-    let energy = EulerBernoulli::new(&rubber::<2>());
+    let energy = EulerBernoulli::new(&rubber::<f64, 2>());
     let energy = verify::formulation::<_, _, _, 2, 4>(&Cable, &energy, &disk, 0.3).unwrap();
     assert_eq!(derived(&energy), BTreeSet::from(forces), "{energy}");
 }

@@ -300,8 +300,8 @@ pub(crate) fn section_points<R: Real, const D: usize>(
         rule.iter().map(|(y, w)| (at(y), w)).collect()
     }
     match D {
-        2 => Ok(embed(&section.planar_rule(degree)?)),
-        3 => Ok(embed(&section.rule(degree)?)),
+        2 => Ok(embed(&section.planar_rule(degree)?.reaching(degree)?)),
+        3 => Ok(embed(&section.rule(degree)?.reaching(degree)?)),
         _ => Err(Error::Unsupported {
             what: format!("a scene in {D} dimensions"),
             remedy: "use D = 2 (plane) or D = 3 (space)",
