@@ -49,7 +49,10 @@ fn main() -> Result<()> {
         let (mut normal, mut gradient, mut square) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
         let model = derivatives(&Swing, parameters.into())?;
         for ((position, slope), measured) in model.into_iter().zip(&record) {
-            let (slope, off) = (parameters.component_mul(&slope.into()), measured - position);
+            let (slope, off) = (
+                parameters.component_mul(&Vector2::from(slope)),
+                measured - position,
+            );
             normal += slope * slope.transpose();
             gradient += slope * off;
             square += off * off;
