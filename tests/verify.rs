@@ -422,11 +422,11 @@ fn derivatives_by_dual_numbers_alone_are_not_shown_as_checked() {
     };
     let solid = rubber::<f64, 3>();
     let closed = verify::material(&solid);
-    assert!(derived(&closed).is_empty(), "{closed}");
+    let gradient = "stress against the gradient of the energy";
+    assert!(!derived(&closed).contains(gradient), "{closed}");
     let stress = verify::material(&ByStress(solid));
     let elasticity = "elasticity against the gradient of the stress";
     assert!(derived(&stress).contains(elasticity), "{stress}");
-    let gradient = "stress against the gradient of the energy";
     assert!(!derived(&stress).contains(gradient), "{stress}");
     let energy = verify::material(&ByEnergy(solid));
     assert!(derived(&energy).contains(gradient), "{energy}");
