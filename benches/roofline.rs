@@ -108,6 +108,13 @@ fn function(value: f64) -> Counted {
     Counted(value)
 }
 
+macro_rules! counted {
+    ($($function:ident)*) => {$(
+        fn $function(self) -> Self {
+            function(self.0.$function())
+        }
+    )*};
+}
 impl Field for Counted {
     fn sqrt(self) -> Self {
         function(self.0.sqrt())
@@ -115,18 +122,7 @@ impl Field for Counted {
     fn recip(self) -> Self {
         Self(1.0) / self
     }
-    fn exp(self) -> Self {
-        function(self.0.exp())
-    }
-    fn ln(self) -> Self {
-        function(self.0.ln())
-    }
-    fn sin(self) -> Self {
-        function(self.0.sin())
-    }
-    fn cos(self) -> Self {
-        function(self.0.cos())
-    }
+    counted!(exp exp_m1 ln ln_1p sin cos asin acos atan sinh cosh tanh);
     fn frozen(self) -> Self {
         self
     }

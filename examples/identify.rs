@@ -1,10 +1,8 @@
 //! Young's modulus and radius of the paper's pendulum from a noisy record of its tip: the whole
 //! simulation runs in dual numbers, so that Gauss-Newton has exact derivatives.
-//! `cargo run --release --example identify`
-
 use ancf::prelude::*;
 use ancf::sweep::{Experiment, derivatives};
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{Matrix2, Vector2};
 
 /// Tip positions every 10 ms up to 1 s for a Young's modulus (Pa) and a radius (m).
 struct Swing;
@@ -12,9 +10,9 @@ struct Swing;
 impl Experiment<2> for Swing {
     fn run<R: Real>(&self, [young, radius]: [R; 2]) -> Result<Vec<R>> {
         let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
-        let formulation = Continuum::selective_reduced(rubber);
+        let rubber = Continuum::selective_reduced(rubber);
         let mut scene = Scene::<R, 2>::new();
-        let rod = Beam::new(FullyParameterised, Disk::new(radius)?, formulation)
+        let rod = Beam::new(FullyParameterised, Disk::new(radius)?, rubber)
             .straight([R::zero(); 2], [R::one(), R::zero()], 8)
             .density(R::lit(7200.0));
         let rod = scene.add(rod)?;
@@ -24,11 +22,8 @@ impl Experiment<2> for Swing {
         let mut run = Integration::start(&system, system.rest(), &Newmark::trapezoidal())?;
         let mut record = Vec::new();
         for sample in 1..=100 {
-            run.until(
-                R::lit(0.01 * f64::from(sample)),
-                Stepping::Fixed(2.5e-3),
-                |_| {},
-            )?;
+            let time = R::lit(0.01 * f64::from(sample));
+            run.until(time, Stepping::Fixed(2.5e-3), |_| {})?;
             record.extend(system.position(run.state(), rod.end())?);
         }
         Ok(record)
@@ -43,26 +38,30 @@ fn main() -> Result<()> {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         1e-4 * 12.0_f64.sqrt() * ((seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
     };
-    let clean = Swing.run(truth)?;
-    let record: Vec<f64> = clean.into_iter().map(|x| x + noise()).collect();
+    let mut record = Swing.run(truth)?;
+    record.iter_mut().for_each(|x| *x += noise());
 
     // The unknowns are logarithms; derivatives by both come from one run.
     let mut guess = Vector2::new(1.6e7_f64.ln(), 0.012_f64.ln());
     println!("    E (Pa)     R (m)  misfit (mm)");
     for _ in 0..12 {
-        let parameters = [guess[0].exp(), guess[1].exp()];
-        let model = derivatives(&Swing, parameters)?;
-        let residual = DVector::from_fn(model.len(), |k, _| record[k] - model[k].0);
-        let slope = |k: usize, i: usize| model[k].1[i] * parameters[i];
-        let jacobian = DMatrix::from_fn(model.len(), 2, slope);
-        let misfit = 1e3 * residual.norm() / (residual.len() as f64).sqrt();
+        let parameters = guess.map(f64::exp);
+        let (mut normal, mut gradient, mut square) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
+        let model = derivatives(&Swing, parameters.into())?;
+        for ((position, slope), measured) in model.into_iter().zip(&record) {
+            let (slope, off) = (
+                parameters.component_mul(&Vector2::from(slope)),
+                measured - position,
+            );
+            normal += slope * slope.transpose();
+            gradient += slope * off;
+            square += off * off;
+        }
+        let misfit = 1e3 * (square / record.len() as f64).sqrt();
         println!("{:10.4e} {:9.6} {misfit:9.4}", parameters[0], parameters[1]);
-        let gradient = jacobian.transpose() * residual;
-        let Some(step) = (jacobian.transpose() * jacobian).lu().solve(&gradient) else {
-            break;
-        };
-        guess += Vector2::new(step[0], step[1]).map(|s| s.clamp(-0.2, 0.2));
-        if step.norm() < 1e-9 {
+        let step = normal.lu().solve(&gradient).unwrap_or_default();
+        guess += step.map(|s| s.clamp(-0.2, 0.2));
+        if step.norm() < 1e-6 {
             break;
         }
     }

@@ -4,10 +4,6 @@ use ancf::{prelude::*, verify};
 use plot::{Axis, Panel, Series, Sheet, Stroke, colour};
 use verify::{Curve, Scheme, structure_tangent};
 
-#[path = "../papers/orzechowski-2012/brush.rs"]
-mod brush;
-#[path = "../papers/orzechowski-2012/canvas.rs"]
-mod canvas;
 #[allow(dead_code, reason = "the papers draw more than this example")]
 #[path = "../papers/orzechowski-2012/plot.rs"]
 mod plot;
@@ -36,13 +32,9 @@ fn panel(title: &str, curve: &Curve) -> Panel {
         let (name, points) = (format!("{s:?}"), curve.points(s).collect());
         Series::new(&name, tint, Stroke::Marked, points)
     });
-    Panel {
-        title: title.into(),
-        x: Axis::log("increment (relative)", 1e-15, 1.0),
-        y: Axis::log("error of the tangent (relative)", 1e-15, 1e2),
-        series: series.collect(),
-        notes: Vec::new(),
-    }
+    let x = Axis::log("increment (relative)", 1e-15, 1.0);
+    let y = Axis::log("error of the tangent (relative)", 1e-15, 1e2);
+    Panel::new(title, x, y, series.collect())
 }
 
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
@@ -50,11 +42,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     println!("double precision: {}", double.report(1e3).into_result()?);
     println!("single precision: {}", single.report(1e3).into_result()?);
     plot::prepare()?;
-    let sheet = Sheet {
-        size: [1800, 760],
-        columns: 2,
-        legend: 3,
-        panels: vec![panel("double", &double), panel("single", &single)],
-    };
+    let panels = vec![panel("double", &double), panel("single", &single)];
+    let sheet = Sheet::row([1800, 760], 3, panels);
     sheet.save("target".as_ref(), "jacobian_check")
 }

@@ -2,7 +2,7 @@
 //! library, generic over the number type, because a result is only worth its reference: here is
 //! which model each belongs to, how it was derived and how far it was checked.
 
-use num_dual::{Dual, DualNum};
+use num_dual::Dual;
 
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Field, Real};

@@ -12,6 +12,8 @@ use num_traits::{Float, FloatConst, One, Zero};
 #[cfg(not(target_arch = "x86_64"))]
 use simba::simd::{WideF32x8, WideF64x4};
 
+#[cfg(test)]
+mod functions;
 mod jet;
 mod lanes;
 mod mask;
@@ -88,14 +90,49 @@ pub trait Field: Scalar + Div<Output = Self> + DivAssign {
     fn recip(self) -> Self;
     /// Exponential.
     fn exp(self) -> Self;
+    /// `exp(x) - 1`, with all digits where `x` is small: energies of Fung's kind.
+    fn exp_m1(self) -> Self;
     /// Natural logarithm.
     fn ln(self) -> Self;
-    /// Sine.
+    /// `ln(1 + x)`, with all digits where `x` is small: energies in `ln J`, formed from a strain.
+    fn ln_1p(self) -> Self;
+    /// Sine (rad).
     fn sin(self) -> Self;
-    /// Cosine.
+    /// Cosine (rad).
     fn cos(self) -> Self;
+    /// Angle (rad) from `-pi/2` to `pi/2` of this sine; no derivative at -1 and 1.
+    fn asin(self) -> Self;
+    /// Angle (rad) from 0 to `pi` of this cosine; no derivative at -1 and 1.
+    fn acos(self) -> Self;
+    /// Angle (rad) from `-pi/2` to `pi/2` of this tangent.
+    fn atan(self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Tangent (rad).
+    fn tan(self) -> Self {
+        self.sin() / self.cos()
+    }
     /// The same value as a constant: without derivatives, to double precision at least.
     fn frozen(self) -> Self;
+    /// Power with a whole exponent, for numbers of either sign; 1 for the exponent 0.
+    fn powi(self, exponent: i32) -> Self {
+        let (mut power, mut square) = (Self::one(), self);
+        let mut rest = exponent.unsigned_abs();
+        while rest > 0 {
+            if rest % 2 == 1 {
+                power *= square;
+            }
+            rest /= 2;
+            if rest > 0 {
+                square *= square;
+            }
+        }
+        if exponent < 0 { power.recip() } else { power }
+    }
     /// Power with a constant exponent, for positive numbers.
     fn powf(self, exponent: f64) -> Self {
         (self.ln() * Self::lit(exponent)).exp()
@@ -208,34 +245,21 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     }
 }
 
+/// Elementary functions by their names in num-dual's trait.
+macro_rules! by_dual_num {
+    ($($function:ident)*) => {$(
+        #[inline(always)]
+        fn $function(self) -> Self {
+            DualNum::$function(&self)
+        }
+    )*};
+}
+
 /// The elementary functions of num-dual's trait, under [`Field`].
 macro_rules! field {
     ([$($bound:tt)*] $t:ty) => {
         impl<$($bound)*> Field for $t {
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                DualNum::sqrt(&self)
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                DualNum::recip(&self)
-            }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                DualNum::exp(&self)
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                DualNum::ln(&self)
-            }
-            #[inline(always)]
-            fn sin(self) -> Self {
-                DualNum::sin(&self)
-            }
-            #[inline(always)]
-            fn cos(self) -> Self {
-                DualNum::cos(&self)
-            }
+            by_dual_num!(sqrt recip exp exp_m1 ln ln_1p sin cos asin acos atan sinh cosh tanh);
             #[inline(always)]
             fn frozen(self) -> Self {
                 Self::from(DualStruct::re(&self))

@@ -2,7 +2,10 @@
 //! boundary-value problems solved to ten digits by independent codes, stiffness by constants, arcs
 //! made straight. Published beams in space are in `published.rs`.
 
+use ancf::formulation::{ElementKernel, Reference, Sample, SampledKernel, SectionLaw, changes};
 use ancf::prelude::*;
+use ancf::quadrature::gauss_legendre;
+use ancf::verify;
 
 /// A cantilever of quadratic elements along x with a dead tip force; tip displacement.
 fn tip<X, const D: usize, const S: usize>(
@@ -170,7 +173,7 @@ fn a_moment_on_the_section_has_the_resultant_it_states() {
     for c in 0..3 {
         assert!((sum[c] - vector[c]).abs() < 1e-10, "{sum:?}");
     }
-    let tangent = ancf::verify::structure_tangent(&system, 0.0, &u).unwrap();
+    let tangent = verify::structure_tangent(&system, 0.0, &u).unwrap();
     tangent.report(1e3).into_result().unwrap();
 }
 
@@ -269,4 +272,108 @@ fn curves_that_are_none_are_refused() {
     });
     let refused = Scene::<f64, 3>::new().add(curved).unwrap_err().to_string();
     assert!(refused.contains("cross slopes"), "{refused}");
+}
+
+/// A planar beam with the moment `EI k0 tanh(kappa / k0)`, stretching with `EA`, once as a law of the
+/// axis and once as the energy of a whole element.
+#[derive(Debug, Clone, Copy)]
+struct Yielding(f64, f64, f64);
+
+impl Yielding {
+    fn density<T: Algebra<f64>>(self, rest: &[[f64; 2]; 2], change: &[[T; 2]; 2]) -> T {
+        let [t, b] = changes(rest, change);
+        let square = t[0] * t[0] + t[1] * t[1];
+        let stretch = square.sqrt().change;
+        let curvature = ((t[0] * b[1] - t[1] * b[0]) / square).change;
+        let sinh = curvature.times(0.5 / self.2).sinh();
+        let bending = (sinh * sinh).times(2.0).ln_1p();
+        (stretch * stretch).times(0.5 * self.0) + bending.times(self.1 * self.2 * self.2)
+    }
+}
+
+impl SectionLaw<f64, 2, 2> for Yielding {
+    fn energy<T: Algebra<f64>>(&self, rest: &[[f64; 2]; 2], change: &[[T; 2]; 2]) -> T {
+        self.density(rest, change)
+    }
+}
+
+impl Formulation<f64, Cable, 2, 4> for Yielding {
+    type Kernel = SampledKernel<f64, Self, 2, 4, 2>;
+    fn kernel(
+        &self,
+        element: &Cable,
+        reference: &Reference<f64, 2, 4>,
+        _: &dyn Section<f64>,
+    ) -> Result<Self::Kernel> {
+        let samples = [Sample::First(0), Sample::Second(0, 0)];
+        let points = gauss_legendre(3)?;
+        Ok(SampledKernel::new().with_part(element, reference, *self, samples, &points))
+    }
+}
+
+/// The energy of an element, from derivatives of its shape functions and their weights.
+#[derive(Debug)]
+struct Whole(Yielding, [[f64; 2]; 4], Vec<([[f64; 4]; 2], f64)>);
+
+impl ElementKernel<f64, 2, 4> for Whole {
+    fn energy<T: Algebra<f64>>(&self, u: &[[T; 2]; 4]) -> T {
+        fn combined<T: Algebra<f64>>(rows: &[[f64; 4]; 2], v: &[[T; 2]; 4]) -> [[T; 2]; 2] {
+            let term = |k: usize, c: usize, i: usize| v[i][c].times(rows[k][i]);
+            let sum = |k, c| (0..4).fold(T::zero(), |g, i| g + term(k, c, i));
+            [0, 1].map(|k| [0, 1].map(|c| sum(k, c)))
+        }
+        let mut energy = T::zero();
+        for (rows, weight) in &self.2 {
+            let density = self.0.density(&combined(rows, &self.1), &combined(rows, u));
+            energy += density.times(*weight);
+        }
+        energy
+    }
+}
+
+#[test]
+fn an_energy_of_the_whole_element_is_enough() {
+    let law = Yielding(1e6, 10.0, 4.0);
+    let (frame, disk) = ([[0.6, 0.8], [-0.8, 0.6]], Disk::new(0.01).unwrap());
+    let reference = Reference::straight(&Cable, 0.3, frame);
+    let rule = gauss_legendre::<f64>(3).unwrap();
+    let points = rule.iter().map(|([x], weight)| {
+        let samples = [Sample::First(0), Sample::Second(0, 0)];
+        let rows = samples.map(|s| s.of(&Cable, 0.3, [x, 0.0]));
+        (rows, weight * 0.3)
+    });
+    let whole = Whole(law, reference.vectors, points.collect());
+    let sampled = law.kernel(&Cable, &reference, &disk).unwrap();
+    let u: [[f64; 2]; 4] = std::array::from_fn(|i| [0.02, 0.03].map(|c| c * (i as f64).sin()));
+    let (mut q, mut k) = ([[[0.0; 2]; 4]; 2], [[[[[0.0; 2]; 4]; 2]; 4]; 2]);
+    whole.tangent(&u, &mut q[0], &mut k[0]);
+    sampled.tangent(&u, &mut q[1], &mut k[1]);
+    let close = |a: &[f64], b: &[f64]| {
+        let size = b.iter().fold(0.0_f64, |top, b| top.max(b.abs()));
+        let error = a.iter().zip(b).map(|(a, b)| (a - b).abs() / size);
+        assert!(
+            size > 0.0 && error.fold(0.0, f64::max) < 1e-13,
+            "{a:?} {b:?}"
+        );
+    };
+    close(q[0].as_flattened(), q[1].as_flattened());
+    let [a, b] = k
+        .each_ref()
+        .map(|k| k.as_flattened().as_flattened().as_flattened());
+    close(a, b);
+    let report = verify::formulation(&Cable, &law, &disk, 0.1).unwrap();
+    report.into_result().unwrap();
+    // Pure bending: `M = EI k0 tanh(kappa / k0)` bends to an arc.
+    let mut scene = Scene::<f64, 2>::new();
+    let beam = Beam::new(Cable, disk, law).straight([0.0; 2], [1.0, 0.0], 16);
+    let (beam, moment) = (scene.add(beam).unwrap(), [0.0, 0.0, 0.5 * 40.0]);
+    scene.clamp(beam.start()).unwrap();
+    let moment = Moment::new(moment, MomentLaw::SlopeRotation(0));
+    scene.moment(beam.end(), moment).unwrap();
+    let (system, curvature) = (scene.assemble().unwrap(), 4.0 * 0.5_f64.atanh());
+    let mut state = system.rest();
+    Statics::default().solve(&system, &mut state).unwrap();
+    let tip = system.position(&state, beam.end()).unwrap()[1];
+    let exact = (1.0 - curvature.cos()) / curvature;
+    assert!((tip / exact - 1.0).abs() < 1e-5, "{tip}, not {exact}");
 }

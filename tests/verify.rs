@@ -412,6 +412,47 @@ fn the_tangent_of_a_system_is_the_gradient_of_its_forces() {
 
 // Reports.
 
+/// Where a type leaves its derivatives to dual numbers there is nothing to compare them with, and the
+/// report says so; closed forms are checked.
+#[test]
+fn derivatives_by_dual_numbers_alone_are_not_shown_as_checked() {
+    let derived = |report: &Report| {
+        let rows = report.rows().iter().filter(|r| r.limit == Limit::Derived);
+        rows.map(|row| row.check).collect::<BTreeSet<_>>()
+    };
+    let solid = rubber::<f64, 3>();
+    let closed = verify::material(&solid);
+    let gradient = "stress against the gradient of the energy";
+    assert!(!derived(&closed).contains(gradient), "{closed}");
+    let stress = verify::material(&ByStress(solid));
+    let elasticity = "elasticity against the gradient of the stress";
+    assert!(derived(&stress).contains(elasticity), "{stress}");
+    assert!(!derived(&stress).contains(gradient), "{stress}");
+    let energy = verify::material(&ByEnergy(solid));
+    assert!(derived(&energy).contains(gradient), "{energy}");
+    assert!(derived(&energy).contains(elasticity), "{energy}");
+    let text = energy.to_string();
+    assert!(
+        text.contains("derived") && text.contains("left out"),
+        "{text}"
+    );
+    let line = text.lines().find(|line| line.contains(gradient)).unwrap();
+    assert!(!line.contains("passed"), "{line}");
+
+    let disk = Disk::new(0.04).unwrap();
+    let forces = [
+        "force against the gradient of the energy",
+        "tangent against the gradient of the force",
+    ];
+    let solid = Continuum::full(solid);
+    let closed = verify::formulation::<_, _, _, 3, 8>(&FullyParameterised, &solid, &disk, 0.3);
+    let closed = closed.unwrap();
+    assert!(derived(&closed).is_empty(), "{closed}");
+    let energy = EulerBernoulli::new(&rubber::<f64, 2>());
+    let energy = verify::formulation::<_, _, _, 2, 4>(&Cable, &energy, &disk, 0.3).unwrap();
+    assert_eq!(derived(&energy), BTreeSet::from(forces), "{energy}");
+}
+
 #[test]
 fn reports_read_as_tables_and_errors_name_the_rows() {
     let mut report = Report::new("a beam");

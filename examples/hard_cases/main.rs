@@ -5,11 +5,7 @@
 //! status is a failure when a row is wrong without saying so. `--quick` leaves out the long runs:
 //! `cargo run --release --example hard_cases`.
 
-#[path = "../../papers/orzechowski-2012/brush.rs"]
-mod brush;
 mod buckle;
-#[path = "../../papers/orzechowski-2012/canvas.rs"]
-mod canvas;
 mod figures;
 mod limits;
 mod model;

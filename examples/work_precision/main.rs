@@ -3,10 +3,6 @@
 //! references. Tables, figures and the cheapest run for every tolerance go to
 //! `target/work-precision/`; what they say is told in `papers/speed-against-error.md`.
 
-#[path = "../../papers/orzechowski-2012/brush.rs"]
-mod brush;
-#[path = "../../papers/orzechowski-2012/canvas.rs"]
-mod canvas;
 mod figures;
 mod measure;
 mod model;

@@ -1,6 +1,6 @@
 //! Geometry of the plots that needs no canvas: tick values, clipping to a panel, dashes.
 
-use crate::plot::{Axis, Scale};
+use super::{Axis, Scale};
 
 /// Values to label on an axis, with their labels.
 pub fn ticks(axis: &Axis) -> Vec<(f64, String)> {

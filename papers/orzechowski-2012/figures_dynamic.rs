@@ -100,20 +100,13 @@ pub fn distances(study: &pendulum::Study, refs: &References, directory: &Path) -
         .collect();
     let name = "rod (ν = 0.3) against the limit: difference of the models";
     series.push(Series::new(name, colour::BLACK, Stroke::Dashed, rods));
-    let panel = Panel {
-        title: "Pendulum, ν = 0: distance of the tip to the limit of ever finer meshes".into(),
-        x: Axis::linear("time [s]", 0.0, 2.0),
-        y: Axis::log("distance [m]", 1e-6, 1.0),
+    let panel = Panel::new(
+        "Pendulum, ν = 0: distance of the tip to the limit of ever finer meshes",
+        Axis::linear("time [s]", 0.0, 2.0),
+        Axis::log("distance [m]", 1e-6, 1.0),
         series,
-        notes: Vec::new(),
-    };
-    Sheet {
-        size: [1500, 940],
-        columns: 1,
-        legend: 3,
-        panels: vec![panel],
-    }
-    .save(directory, "pendulum-distance")
+    );
+    Sheet::row([1500, 940], 3, vec![panel]).save(directory, "pendulum-distance")
 }
 
 /// Figure 5 of the paper: energies over time.

@@ -3,8 +3,6 @@
 //! examples, its figures and every claim it makes about them, with the evidence for or against.
 //! Ends with a table of claims; the exit status is that of the table.
 
-mod brush;
-mod canvas;
 mod check_dynamic;
 mod check_static;
 mod claims;

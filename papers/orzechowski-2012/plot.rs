@@ -10,8 +10,13 @@ use plotters::prelude::*;
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::brush::{Brush, write_png};
-use crate::canvas::{clip, dashes, ticks};
+use brush::{Brush, write_png};
+use canvas::{clip, dashes, ticks};
+
+#[path = "brush.rs"]
+mod brush;
+#[path = "canvas.rs"]
+mod canvas;
 
 /// Colours that stay apart in print and for colour-blind readers (Okabe and Ito).
 pub mod colour {
@@ -168,6 +173,16 @@ pub fn prepare() -> Drawn {
 }
 
 impl Sheet {
+    /// Panels side by side, with this many columns of the legend.
+    pub fn row(size: [u32; 2], legend: usize, panels: Vec<Panel>) -> Self {
+        Self {
+            size,
+            columns: panels.len(),
+            legend,
+            panels,
+        }
+    }
+
     /// Writes `name.svg` and `name.png` into a directory.
     ///
     /// # Errors
@@ -284,6 +299,17 @@ where
 }
 
 impl Panel {
+    /// A panel without notes.
+    pub fn new(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            series,
+            notes: Vec::new(),
+        }
+    }
+
     fn draw<DB>(&self, area: &DrawingArea<DB, Shift>) -> Drawn
     where
         DB: DrawingBackend,

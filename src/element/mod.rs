@@ -30,6 +30,28 @@ pub enum NodalVector {
 /// The position field is `r(X) = sum_i s_i(X) e_i` (eq. 3 of Orzechowski 2012) with the nodal
 /// vectors `e_i` node by node, each node carrying [`VECTORS`](Self::VECTORS) in that order. The
 /// nodes are equally spaced from end to end, neighbours share the end nodes.
+///
+/// A scene does not compile with an element whose `S` is not [`NODES`](Self::NODES) times the length of
+/// [`VECTORS`](Self::VECTORS):
+///
+/// ```compile_fail,E0080
+/// use ancf::prelude::*;
+///
+/// #[derive(Debug, Clone, Copy)]
+/// struct Short;
+/// impl Element<2, 3> for Short {
+///     const NODES: usize = 2;
+///     const VECTORS: &'static [NodalVector] = &[NodalVector::Position, NodalVector::Slope(0)];
+///     const AXIAL_DEGREE: usize = 3;
+///     fn shape<T: Scalar>(&self, _: T, xi: [T; 2]) -> [T; 3] {
+///         [xi[0]; 3]
+///     }
+/// }
+/// let rubber = SaintVenantKirchhoff::isotropic(2.0e7, 0.3)?;
+/// let beam = Beam::new(Short, Disk::new(0.01)?, EulerBernoulli::new(&rubber));
+/// Scene::<f64, 2>::new().add(beam.straight([0.0; 2], [1.0, 0.0], 4))?;
+/// # Ok::<(), ancf::Error>(())
+/// ```
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an element with {S} nodal vectors in {D} dimensions",
     note = "S must be NODES times the number of nodal vectors of a node"

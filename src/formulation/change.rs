@@ -3,22 +3,35 @@
 //! beam needs, carried along through every operation it keeps them. Laws write their strains as in
 //! the book, in these numbers, and take the change.
 
-use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use num_traits::{One, Zero};
 
 use crate::scalar::{Algebra, Field, Scalar};
 
-/// A value and its change since the reference state.
+/// A value and its change since the reference state. Sums, products, quotients and roots of such
+/// numbers carry the change along without ever forming the difference of two values.
+///
+/// ```
+/// use ancf::formulation::{Change, changes};
+///
+/// // A strain of 1e-12: the difference of two lengths near one would know four digits of it.
+/// let [[x, y]] = changes::<f64, f64, 2, 1>(&[[0.6, 0.8]], &[[0.6e-12, 0.8e-12]]);
+/// let strain = (x * x + y * y).sqrt().change;
+/// assert!((strain / 1e-12 - 1.0).abs() < 1e-11);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Change<T> {
-    pub(super) value: T,
-    pub(super) change: T,
+pub struct Change<T> {
+    /// The value now.
+    pub value: T,
+    /// The value now less the value in the reference state.
+    pub change: T,
 }
 
-/// The vectors `g = g0 + h` of a section law.
+/// The vectors `g = g0 + h` that a [`SectionLaw`](super::SectionLaw) is given, from their
+/// `reference` values `g0` and displacement parts `h`.
 #[inline(always)]
-pub(super) fn changes<R: Copy, T: Algebra<R>, const D: usize, const K: usize>(
+pub fn changes<R: Copy, T: Algebra<R>, const D: usize, const K: usize>(
     reference: &[[R; D]; K],
     h: &[[T; D]; K],
 ) -> [[Change<T>; D]; K] {
@@ -33,16 +46,36 @@ pub(super) fn changes<R: Copy, T: Algebra<R>, const D: usize, const K: usize>(
 impl<T: Scalar> Change<T> {
     /// A number that is the same in every state.
     #[inline(always)]
-    fn fixed(value: T) -> Self {
+    pub fn fixed(value: T) -> Self {
         let change = T::zero();
         Self { value, change }
     }
 }
 
 impl<T: Field> Change<T> {
+    /// Square root of a number that is positive now and in the reference state.
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        let (now, then) = (self.value.sqrt(), (self.value - self.change).sqrt());
+        Self {
+            value: now,
+            change: self.change / (now + then),
+        }
+    }
+
+    /// Reciprocal of a number that vanishes neither now nor in the reference state.
+    #[inline(always)]
+    pub fn recip(self) -> Self {
+        let then = self.value - self.change;
+        Self {
+            value: self.value.recip(),
+            change: -self.change / (self.value * then),
+        }
+    }
+
     /// One over the square root of a positive number.
     #[inline(always)]
-    pub(super) fn rsqrt(self) -> Self {
+    pub fn rsqrt(self) -> Self {
         let (now, then) = (self.value.sqrt(), (self.value - self.change).sqrt());
         let product = now * then;
         Self {
@@ -94,6 +127,19 @@ impl<T: Scalar> Mul for Change<T> {
         Self {
             value: self.value * other.value,
             change: self.change * other.value + then * other.change,
+        }
+    }
+}
+
+impl<T: Field> Div for Change<T> {
+    type Output = Self;
+    /// `a / b - a0 / b0 = (a - a0 - (a0 / b0) (b - b0)) / b`.
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let then = (self.value - self.change) / (other.value - other.change);
+        Self {
+            value: self.value / other.value,
+            change: (self.change - then * other.change) / other.value,
         }
     }
 }
@@ -154,5 +200,12 @@ mod tests {
         let slope = 0.5_f64.sqrt() / 2.0;
         assert!((f.change / (slope * h) - 1.0).abs() < 1e-11);
         assert!((f.value - 0.5_f64.sqrt()).abs() < 1e-11);
+        for same in [x / (x * x + Change::one()).sqrt(), {
+            let square = x * x;
+            (Change::one() + square.recip()).rsqrt()
+        }] {
+            assert!((same.change / (slope * h) - 1.0).abs() < 1e-11);
+            assert!((same.value - f.value).abs() < 1e-15);
+        }
     }
 }

@@ -220,21 +220,6 @@ where
         of_either!(self.secant(viscosity, from, to, q));
     }
 
-    #[inline]
-    fn secant_stiffness<T: Algebra<R>>(
-        &self,
-        viscosity: R,
-        reference: &[[R; D]; K],
-        from: &[[T; D]; K],
-        to: &[[T; D]; K],
-    ) -> SectionStiffness<T, D, K> {
-        match self {
-            Self::Symmetric(law) => law.secant_stiffness(viscosity, reference, from, to),
-            Self::Moments(law) => law.secant_stiffness(viscosity, reference, from, to),
-            Self::Points(law) => law.secant_stiffness(viscosity, reference, from, to),
-        }
-    }
-
     #[inline(always)]
     fn secant_tangent<T: Algebra<R>>(
         &self,

@@ -6,7 +6,7 @@
 
 use super::basis::Basis;
 use super::law::{first_column, material_frame};
-use super::sampled::{Sample, operator};
+use super::sampled::Sample;
 use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::material::Moduli;
@@ -82,7 +82,9 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     ) {
         let basis = Basis::of::<E, D, S>(reference.length);
         for ([xi], along) in axial.iter() {
-            let absolute = operator(element, reference.length, xi, samples);
+            let mut axis = [R::zero(); D];
+            axis[0] = xi;
+            let absolute = samples.map(|sample| sample.of(element, reference.length, axis));
             let mut rows = absolute;
             rows.iter_mut().for_each(|row| basis.change_row(row));
             for (y, area) in points {

@@ -1,7 +1,7 @@
 //! Inertia of an element: the constant mass matrix and the constant first moments that carry
 //! gravity. Both need only scalars per pair of shape functions, whatever the dimension.
 
-use super::{Reference, derivatives, section_points};
+use super::{Reference, Sample, section_points};
 use crate::element::Element;
 use crate::error::{Result, positive};
 use crate::quadrature::gauss_legendre;
@@ -72,9 +72,9 @@ fn volume_ratio<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     columns[2][2] = R::one();
     for a in 0..D {
         let mut column = [R::zero(); D];
-        let slopes = derivatives(element, reference.length, x, (a, a));
-        for (slope, vector) in slopes.iter().zip(&reference.vectors) {
-            add_scaled(&mut column, slope.eps1 / reference.length, vector);
+        let slopes = Sample::First(a).of(element, reference.length, x);
+        for (slope, vector) in slopes.into_iter().zip(&reference.vectors) {
+            add_scaled(&mut column, slope, vector);
         }
         columns[a] = std::array::from_fn(|c| if c < D { column[c] } else { R::zero() });
     }

@@ -2,6 +2,17 @@
 //! turns an element, a section and a reference geometry into an [`ElementKernel`]: energy, force
 //! and tangent of one element over any number type. Locking remedies live here, as choices of
 //! what is sampled where.
+//!
+//! A formulation of your own is an energy, written over any number type, at one of two levels:
+//!
+//! - per unit length, as a [`SectionLaw`] of the derivatives of the position that a
+//!   [`SampledKernel`] takes at points of the axis ([`Sample`] names them): the shortest, and the
+//!   fastest, with strains formed in [`Change`]s that keep their digits on slender beams;
+//! - of a whole element, as an [`ElementKernel`] of its nodal displacements, with the derivatives of
+//!   the shape functions that [`Sample::of`] gives at any point.
+//!
+//! Force and tangent follow by dual numbers, and [`verify::formulation`](crate::verify::formulation)
+//! tells whether the energy is one of a beam. See `examples/custom_formulation.rs`.
 
 mod basis;
 mod cable;
@@ -17,13 +28,13 @@ mod sampled;
 mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
+pub use change::{Change, changes};
 pub use co_moving::{CoMoving, CoMovingKernel};
 pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
 pub use gram::GramKernel;
 pub use inertia::Inertia;
 pub(crate) use law::varied;
 pub use law::{PointSection, SectionLaw, SectionStiffness};
-pub(crate) use sampled::derivatives;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
@@ -305,8 +316,8 @@ pub(crate) fn section_points<R: Real, const D: usize>(
         rule.iter().map(|(y, w)| (at(y), w)).collect()
     }
     match D {
-        2 => Ok(embed(&section.planar_rule(degree)?)),
-        3 => Ok(embed(&section.rule(degree)?)),
+        2 => Ok(embed(&section.planar_rule(degree)?.reaching(degree)?)),
+        3 => Ok(embed(&section.rule(degree)?.reaching(degree)?)),
         _ => Err(Error::Unsupported {
             what: format!("a scene in {D} dimensions"),
             remedy: "use D = 2 (plane) or D = 3 (space)",

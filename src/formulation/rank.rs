@@ -79,9 +79,18 @@ pub(super) fn stocky_length<R: Real>(section: &dyn Section<R>) -> Result<R> {
     let properties = section.properties()?;
     let area = positive("area of the section [m^2]", properties.area)?;
     let moment = properties.iyy + properties.izz;
-    let moment = positive("second moment of the section [m^4]", moment)?;
+    let moment = second_moment(section, moment)?;
     let length = R::lit(4.0) * Field::sqrt(moment / area);
     positive("radius of gyration of the section [m]", length)
+}
+
+/// A second moment that is positive; where it is not because the rule it comes from is of too low a
+/// degree, that is the error.
+fn second_moment<R: Real>(section: &dyn Section<R>, moment: R) -> Result<R> {
+    positive("second moment of the section [m^4]", moment).or_else(|error| {
+        section.rule(2)?.reaching(2)?;
+        Err(error)
+    })
 }
 
 /// A section stretched to radii of gyration of a quarter about both axes, so that a beam of unit
@@ -97,7 +106,7 @@ impl<'a, R: Real> Stocky<'a, R> {
         let properties = section.properties()?;
         let area = positive("area of the section [m^2]", properties.area)?;
         let stretch = |moment: R| {
-            let moment = positive("second moment of the section [m^4]", moment)?;
+            let moment = second_moment(section, moment)?;
             let stretch = R::lit(0.25) * Field::sqrt(area / moment);
             positive("curvature of the section's gyration [1/m]", stretch)
         };

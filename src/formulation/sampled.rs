@@ -261,7 +261,9 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
         let nodal = &reference.vectors;
         self.positions = Positions::of::<E, D>();
         let station = |([xi], w): ([R; 1], R)| {
-            let mut rows = operator(element, reference.length, xi, samples);
+            let mut axis = [R::zero(); D];
+            axis[0] = xi;
+            let mut rows = samples.map(|sample| sample.of(element, reference.length, axis));
             let vector = |row: &[R; S]| {
                 let mut g = [R::zero(); D];
                 for i in 0..S {
@@ -428,7 +430,7 @@ where
 
 /// Second derivatives of the shape functions at a natural point, by the natural coordinates `a`
 /// and `b`; the first derivatives come along.
-pub(crate) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     element: &E,
     length: R,
     point: [R; D],
@@ -440,32 +442,39 @@ pub(crate) fn derivatives<R: Real, E: Element<D, S>, const D: usize, const S: us
     element.shape(HyperDual::from_re(length), x)
 }
 
-/// The operator of a station on the axis at the natural coordinate `xi`.
-pub(super) fn operator<
-    R: Real,
-    E: Element<D, S>,
-    const D: usize,
-    const S: usize,
-    const K: usize,
->(
-    element: &E,
-    length: R,
-    xi: R,
-    samples: [Sample; K],
-) -> [[R; S]; K] {
-    let mut axis = [R::zero(); D];
-    axis[0] = xi;
-    let per_length = R::one() / length;
-    samples.map(|sample| match sample {
-        Sample::First(a) => {
-            let s = derivatives(element, length, axis, (a, a));
-            s.map(|s| s.eps1 * per_length)
+impl Sample {
+    /// This derivative of every shape function (1/m, 1/m^2 for second ones; those of slopes times m)
+    /// at the natural coordinates `point` of an element of this `length` (m): the nodal vectors
+    /// weighted by it are the sampled vector.
+    ///
+    /// ```
+    /// use ancf::formulation::Sample;
+    /// use ancf::prelude::*;
+    ///
+    /// // The slope of a cubic axis half way along an element of 2 m.
+    /// let row: [f64; 4] = Sample::First(0).of::<_, Cable, 2, 4>(&Cable, 2.0, [0.5, 0.0]);
+    /// assert_eq!(row, [-0.75, -0.25, 0.75, -0.25]);
+    /// ```
+    ///
+    /// # Panics
+    /// For an axis that `D` dimensions do not have.
+    pub fn of<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+        self,
+        element: &E,
+        length: R,
+        point: [R; D],
+    ) -> [R; S] {
+        let per_length = R::one() / length;
+        match self {
+            Self::First(a) => {
+                derivatives(element, length, point, (a, a)).map(|s| s.eps1 * per_length)
+            }
+            Self::Second(a, b) => {
+                let s = derivatives(element, length, point, (a, b));
+                s.map(|s| s.eps1eps2 * per_length * per_length)
+            }
         }
-        Sample::Second(a, b) => {
-            let s = derivatives(element, length, axis, (a, b));
-            s.map(|s| s.eps1eps2 * per_length * per_length)
-        }
-    })
+    }
 }
 
 /// What a law of the whole section samples: `r'`, the `D - 1` cross slopes and their derivatives

@@ -113,6 +113,21 @@ impl<R: Real, const C: usize> Cubature<R, C> {
         })
     }
 
+    /// This rule, if it serves polynomials of the `asked` degree: what a section was asked for and what
+    /// it returned.
+    pub(crate) fn reaching(self, asked: usize) -> Result<Self> {
+        if self.degree >= asked {
+            return Ok(self);
+        }
+        Err(Error::Unsupported {
+            what: format!(
+                "a section rule exact to degree {} where degree {asked} was asked for",
+                self.degree
+            ),
+            remedy: "let Section::rule and planar_rule return at least the degree asked for, or an error; verify::section checks it",
+        })
+    }
+
     /// The points, in the order of the weights.
     pub fn points(&self) -> &[[R; C]] {
         &self.points

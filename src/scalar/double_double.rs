@@ -348,3 +348,23 @@ impl Real for DoubleDouble {
     }
 }
 plain!(DoubleDouble);
+
+/// Models stored in floats, evaluated with all digits of double-doubles: what tells the rounding of a
+/// model's constants from that of arithmetic. (Not `f64` over `f32`: with two algebras to choose from,
+/// `f64::variable` would be ambiguous.)
+macro_rules! over_floats {
+    ($($float:ty)*) => {$(
+        impl Algebra<$float> for DoubleDouble {
+            by_num_dual!();
+            #[inline(always)]
+            fn lift(r: $float) -> Self {
+                Self::from(f64::from(r))
+            }
+            #[inline(always)]
+            fn times(self, r: $float) -> Self {
+                self * f64::from(r)
+            }
+        }
+    )*};
+}
+over_floats!(f32 f64);

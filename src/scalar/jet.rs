@@ -162,8 +162,16 @@ impl<T: Field, const N: usize> Field for Jet<T, N> {
         self.chain(value, value)
     }
     #[inline(always)]
+    fn exp_m1(self) -> Self {
+        self.chain(self.re.exp_m1(), self.re.exp())
+    }
+    #[inline(always)]
     fn ln(self) -> Self {
         self.chain(self.re.ln(), self.re.recip())
+    }
+    #[inline(always)]
+    fn ln_1p(self) -> Self {
+        self.chain(self.re.ln_1p(), (T::one() + self.re).recip())
     }
     #[inline(always)]
     fn sin(self) -> Self {
@@ -172,6 +180,33 @@ impl<T: Field, const N: usize> Field for Jet<T, N> {
     #[inline(always)]
     fn cos(self) -> Self {
         self.chain(self.re.cos(), -self.re.sin())
+    }
+    #[inline(always)]
+    fn asin(self) -> Self {
+        let cosine = ((T::one() - self.re) * (T::one() + self.re)).sqrt();
+        self.chain(self.re.asin(), cosine.recip())
+    }
+    #[inline(always)]
+    fn acos(self) -> Self {
+        let sine = ((T::one() - self.re) * (T::one() + self.re)).sqrt();
+        self.chain(self.re.acos(), -sine.recip())
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.chain(self.re.atan(), (T::one() + self.re * self.re).recip())
+    }
+    #[inline(always)]
+    fn sinh(self) -> Self {
+        self.chain(self.re.sinh(), self.re.cosh())
+    }
+    #[inline(always)]
+    fn cosh(self) -> Self {
+        self.chain(self.re.cosh(), self.re.sinh())
+    }
+    #[inline(always)]
+    fn tanh(self) -> Self {
+        let value = self.re.tanh();
+        self.chain(value, (T::one() - value) * (T::one() + value))
     }
     #[inline(always)]
     fn frozen(self) -> Self {

@@ -130,6 +130,14 @@ macro_rules! by_array {
         }
     };
 }
+macro_rules! by_simba {
+    ($($function:ident $simba:ident),*) => {$(
+        #[inline(always)]
+        fn $function(self) -> Self {
+            self.$simba()
+        }
+    )*};
+}
 macro_rules! lanes {
     ($($t:ident of $r:ty, $width:literal);*) => {$(
         impl Scalar for $t {
@@ -147,21 +155,10 @@ macro_rules! lanes {
             fn recip(self) -> Self {
                 Self::one() / self
             }
-            #[inline(always)]
-            fn exp(self) -> Self {
-                self.simd_exp()
-            }
-            #[inline(always)]
-            fn ln(self) -> Self {
-                self.simd_ln()
-            }
-            #[inline(always)]
-            fn sin(self) -> Self {
-                self.simd_sin()
-            }
-            #[inline(always)]
-            fn cos(self) -> Self {
-                self.simd_cos()
+            by_simba! {
+                exp simd_exp, exp_m1 simd_exp_m1, ln simd_ln, ln_1p simd_ln_1p,
+                sin simd_sin, cos simd_cos, asin simd_asin, acos simd_acos, atan simd_atan,
+                sinh simd_sinh, cosh simd_cosh, tanh simd_tanh
             }
             #[inline(always)]
             fn frozen(self) -> Self {

@@ -116,6 +116,13 @@ impl<L: Field, const C: usize> Scalar for Wide<L, C> {
         ))
     }
 }
+macro_rules! by_map {
+    ($($function:ident)*) => {$(
+        fn $function(self) -> Self {
+            self.map(L::$function)
+        }
+    )*};
+}
 impl<L: Field, const C: usize> Field for Wide<L, C> {
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -125,18 +132,7 @@ impl<L: Field, const C: usize> Field for Wide<L, C> {
     fn recip(self) -> Self {
         self.map(L::recip)
     }
-    fn exp(self) -> Self {
-        self.map(L::exp)
-    }
-    fn ln(self) -> Self {
-        self.map(L::ln)
-    }
-    fn sin(self) -> Self {
-        self.map(L::sin)
-    }
-    fn cos(self) -> Self {
-        self.map(L::cos)
-    }
+    by_map!(exp exp_m1 ln ln_1p sin cos asin acos atan sinh cosh tanh);
     #[inline(always)]
     fn frozen(self) -> Self {
         self
@@ -449,7 +445,9 @@ macro_rules! packs {
             }
         }
         impl Field for Pack<$r, $n> {
-            field_by_lanes!(sqrt recip exp ln sin cos);
+            field_by_lanes! {
+                sqrt recip exp exp_m1 ln ln_1p sin cos asin acos atan sinh cosh tanh
+            }
             #[inline(always)]
             fn frozen(self) -> Self {
                 self

@@ -150,18 +150,7 @@ macro_rules! register {
             fn recip(self) -> Self {
                 Self::one() / self
             }
-            fn exp(self) -> Self {
-                self.map(<$r>::exp)
-            }
-            fn ln(self) -> Self {
-                self.map(<$r>::ln)
-            }
-            fn sin(self) -> Self {
-                self.map(<$r>::sin)
-            }
-            fn cos(self) -> Self {
-                self.map(<$r>::cos)
-            }
+            register!(@mapped $r, exp exp_m1 ln ln_1p sin cos asin acos atan sinh cosh tanh);
             #[inline(always)]
             fn frozen(self) -> Self {
                 self
@@ -259,6 +248,11 @@ macro_rules! register {
             }
         }
     };
+    (@mapped $r:ty, $($function:ident)*) => {$(
+        fn $function(self) -> Self {
+            self.map(<$r>::$function)
+        }
+    )*};
     (@operator $t:ident, $trait:ident $method:ident $op:ident, $assign:ident $assign_method:ident) => {
         impl $trait for $t {
             type Output = Self;

@@ -160,6 +160,12 @@ impl<R: Real, const D: usize> Scene<R, D> {
         F: Formulation<R, E, D, S>,
         X: Section<R>,
     {
+        const {
+            assert!(
+                S == E::NODES * E::VECTORS.len(),
+                "the number S of an element's shape functions is NODES times the VECTORS of a node"
+            )
+        }
         let body = beam.place(self.size)?;
         self.size = body.range().end;
         let nodes = body.nodes();

@@ -213,11 +213,11 @@ where
             let gradient = self.scaled(&gradient);
             let plain = self.scaled(&self.force(&u));
             let error = difference(&plain, &gradient) / largest(&gradient);
-            report.push(
+            report.push_derivative(
                 "force against the gradient of the energy",
                 &at,
                 error,
-                Limit::AtMost(EXACT),
+                EXACT,
             );
             let error = difference(&force, &plain) / largest(&plain);
             report.push(
@@ -228,11 +228,11 @@ where
             );
             let (_, truth) = self.tangent(&self.kernel, &u);
             let error = (&k - &truth).amax() / truth.amax();
-            report.push(
+            report.push_derivative(
                 "tangent against the gradient of the force",
                 &at,
                 nan(error, &k),
-                Limit::AtMost(EXACT),
+                EXACT,
             );
             let skew = (&k - k.transpose()).amax() / k.amax();
             report.push(

@@ -12,6 +12,7 @@
 //! | [`material`], [`linear_elasticity`], [`isotropy`] | stress and elasticity against the energy |
 //! | [`jacobian`] and its kin | exact derivatives against finite differences, with the V-curve |
 //! | [`precision`] | digits lost in a number type, and the stage of a computation that loses them |
+//! | [`slender`] | the same of a slender beam's force, over slenderness, elements, rotation and offset |
 //!
 //! ```
 //! use ancf::prelude::*;
@@ -34,6 +35,7 @@ mod precision;
 mod reduced;
 mod report;
 mod section;
+mod slender;
 mod textbook;
 mod vibration;
 
@@ -48,5 +50,6 @@ pub use precision::{Precision, PrecisionRow, Share, Staged, precision};
 pub use reduced::{ByEnergy, ByForce, ByPoints, ByStress};
 pub use report::{Limit, Report, Row};
 pub use section::section;
+pub use slender::{Parts, Pose, Slender, SlenderRow, SlenderStudy, slender, slender_spread};
 pub use textbook::{Textbook, TextbookKernel};
 pub use vibration::{Rod, frequencies};

@@ -2,7 +2,7 @@
 
 use crate::element::Element;
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Formulation, Reference, derivatives, section_points};
+use crate::formulation::{ElementKernel, Formulation, Reference, Sample, section_points};
 use crate::material::Material;
 use crate::quadrature::gauss_legendre;
 use crate::scalar::{Algebra, Real};
@@ -48,9 +48,9 @@ where
                 x[0] = xi;
                 let mut gradient = [[R::zero(); D]; S];
                 for a in 0..D {
-                    let slopes = derivatives(element, length, x, (a, a));
+                    let slopes = Sample::First(a).of(element, length, x);
                     for i in 0..S {
-                        gradient[i][a] = slopes[i].eps1 / length;
+                        gradient[i][a] = slopes[i];
                     }
                 }
                 points.push((gradient, along * length * *area));

@@ -188,7 +188,6 @@ fn beams_of_wrong_elements_are_refused() {
         scene.add(beam).unwrap_err().to_string()
     }
     for (message, says) in [
-        (refusal(Uncounted), "NODES times the VECTORS"),
         (refusal(OneNode), "a node at each end"),
         (refusal(Sloping), "Slope(5) in 2 dimensions"),
         (refusal(Repeated), "Slope(0) twice"),

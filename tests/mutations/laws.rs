@@ -5,7 +5,7 @@ use ancf::prelude::*;
 use ancf::quadrature::Cubature;
 use ancf::verify::{self, ByEnergy};
 
-use crate::{assert_each_check_catches, assert_fails, failures, rubber};
+use crate::{assert_each_check_catches, assert_fails, disk, failures, rubber};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Flaw {
@@ -230,4 +230,37 @@ fn wrong_materials_are_caught() {
     assert_each_check_catches(&report(Slip::None), &wrong.map(report));
     let soft = verify::linear_elasticity::<f64, _, 3>(&rubber(), 2.0e7, 0.29).unwrap();
     assert_fails(&soft, &["elasticity at small strain"]);
+}
+
+/// A rule of a lower degree than the section was asked for would bend a beam too softly, or not at all:
+/// no beam is made with it, and the error names both degrees.
+#[test]
+fn section_rules_of_too_low_a_degree_are_refused() {
+    /// All of the area in one point.
+    #[derive(Debug)]
+    struct Lumped;
+    impl Section<f64> for Lumped {
+        fn rule(&self, _: usize) -> Result<Cubature<f64, 2>> {
+            Cubature::new(vec![[0.0; 2]], vec![1e-4], 1)
+        }
+        fn outline(&self, n: usize) -> Vec<Vec<[f64; 2]>> {
+            disk().outline(n)
+        }
+    }
+    fn refusal(section: impl Section<f64> + 'static) -> String {
+        let beam = Beam::new(FullyParameterised, section, Continuum::full(rubber()));
+        let beam = beam.straight([0.0; 3], [1.0, 0.0, 0.0], 2);
+        Scene::<f64, 3>::new().add(beam).unwrap_err().to_string()
+    }
+    let lumped = "exact to degree 1 where degree 2 was asked for";
+    let claimed = "exact to degree 0 where degree";
+    for (message, says) in [
+        (refusal(Lumped), lumped),
+        (refusal(Flawed(Flaw::Claim)), claimed),
+    ] {
+        assert!(
+            message.contains(says) && message.contains("verify::section"),
+            "{message}"
+        );
+    }
 }
