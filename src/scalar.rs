@@ -233,6 +233,12 @@ pub trait Real: Algebra<Self> + DualNumCopy {
         let rounded = Self::from(Self::Primitive::PI());
         rounded + Field::sin(rounded)
     }
+    /// Whether there is nothing in a number: zero in every lane, and of a type without derivatives,
+    /// which need not vanish where values do.
+    #[inline]
+    fn is_nothing(self) -> bool {
+        Self::ORDER == 0 && self.abs().at_most(Self::zero()).all()
+    }
     /// The larger of two by real part.
     #[inline]
     fn larger(self, other: Self) -> Self {

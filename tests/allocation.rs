@@ -133,7 +133,9 @@ fn a_step_allocates_nothing() {
         let settings = Path::by(control, 0.01);
         let mut path = Continuation::start(&system, system.rest(), 0.0, &settings).unwrap();
         path.step().unwrap();
-        let count = allocations(|| path.until(Target::Points(5), |_| {}).unwrap());
+        let count = allocations(|| {
+            path.until(Target::Points(5), |_| {}).unwrap();
+        });
         assert_eq!(count, 0, "{control:?}");
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::exact::{pairs, ring};
 use ancf::prelude::*;
 use ancf::quadrature::{Cubature, disk_order, gauss_legendre_on};
-use num_dual::{Dual, Dual64, DualNum};
+use num_dual::{Dual, Dual64};
 use proptest::prelude::*;
 
 fn near(a: f64, b: f64, tolerance: f64) -> bool {

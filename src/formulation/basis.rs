@@ -79,16 +79,15 @@ impl<R: Real> Basis<R> {
     /// Turns a row over nodal vectors into one over the basis. What is left of numbers that cancel is
     /// nothing: a complete element does not feel where its first node is.
     pub(super) fn change_row<const S: usize>(&self, row: &mut [R; S]) {
-        let size = row.iter().fold(R::zero(), |size, a| size.larger(a.abs()));
+        let mut sizes = row.map(|a| a.abs());
         for Step { from, to, factor } in &self.0 {
-            let value = row[*to];
+            let (value, size) = (row[*to], sizes[*to]);
             row[*from] -= *factor * value;
+            sizes[*from] += factor.abs() * size;
         }
-        let rounding = size * R::lit(64.0 * R::EPSILON);
-        for a in row {
-            if a.abs() <= rounding {
-                *a = R::zero();
-            }
+        for (a, size) in row.iter_mut().zip(sizes) {
+            let nothing = a.abs().at_most(size * R::lit(64.0 * R::EPSILON));
+            *a = R::zero().where_else(nothing, *a);
         }
     }
 

@@ -139,7 +139,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                 for a in 0..D {
                     for b in a..D {
                         let stress = stresses[a][b][i][j];
-                        if stress.is_zero() && R::ORDER == 0 {
+                        if stress.is_nothing() {
                             continue;
                         }
                         for k in 0..S {
@@ -162,7 +162,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
             let ((i, j), (k, l)) = (all[p.min(q)], all[p.max(q)]);
             self.0[i][j][k][l]
         };
-        let met = |p: &usize| !(entry(*p, *p).is_zero() && R::ORDER == 0);
+        let met = |p: &usize| !entry(*p, *p).is_nothing();
         let couples = |p: usize, q: usize| {
             // An entry that vanishes may have a derivative that does not.
             let (own, other) = (entry(p, p).abs(), entry(q, q).abs());
@@ -245,8 +245,7 @@ impl<R: Real> Block<R> {
                 };
                 let values = &group.form[p * group.pairs.len()..];
                 let rights = group.pairs.iter().zip(values).filter_map(|(pair, value)| {
-                    let nothing = value.is_zero() && R::ORDER == 0;
-                    let right = other(*pair, column).filter(|_| !nothing)?;
+                    let right = other(*pair, column).filter(|_| !value.is_nothing())?;
                     Some((right, *value))
                 });
                 for some in rights.collect::<Vec<_>>().chunks(WIDE) {

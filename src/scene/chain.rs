@@ -307,7 +307,7 @@ where
                 for i in 0..S {
                     for j in 0..S {
                         // Sections about their centroid couple positions with no slope across.
-                        if !inertia.mass[i][j].is_zero() {
+                        if !inertia.mass[i][j].is_nothing() {
                             add_times(&mut force[i], factor * inertia.mass[i][j], &a[j]);
                         }
                     }

@@ -157,7 +157,7 @@ impl<R: Real> BandMatrix<R> {
         let stride = self.width;
         for (t, m) in row.iter().enumerate() {
             // Sections about their centroid couple positions with no slope across.
-            if !m.is_zero() {
+            if !m.is_nothing() {
                 let entries = self.data[start + t * n..].iter_mut().step_by(stride);
                 entries.take(n).for_each(|entry| *entry += factor * *m);
             }
