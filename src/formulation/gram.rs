@@ -162,7 +162,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
             let ((i, j), (k, l)) = (all[p.min(q)], all[p.max(q)]);
             self.0[i][j][k][l]
         };
-        let met = |p: &usize| !entry(*p, *p).is_nothing();
+        let met = |p: &usize| (0..all.len()).any(|q| !entry(*p, q).is_nothing());
         let couples = |p: usize, q: usize| {
             // An entry that vanishes may have a derivative that does not.
             let (own, other) = (entry(p, p).abs(), entry(q, q).abs());

@@ -34,8 +34,9 @@ use crate::tensor::{add_scaled, cross, difference, dot, sum, times};
 /// let sweep = Pose::default().sweep([1e-1, 1e-2]);
 /// # #[cfg(feature = "double-double")]
 /// let study = slender::<f32, ancf::scalar::DoubleDouble, _, 3, 8>(&Rod, &sweep)?;
+/// // Most of the digits go where coordinates are stored.
 /// # #[cfg(feature = "double-double")]
-/// println!("{}", study.report(4.0).into_result()?);
+/// println!("{}", study.report(5.0).into_result()?);
 /// # Ok::<(), ancf::Error>(())
 /// ```
 pub trait Slender<const D: usize, const S: usize>: Sized {
