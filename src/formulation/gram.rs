@@ -432,7 +432,11 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        mirrored(k, |upper| self.upper_tangent(u, q, upper));
+        mirrored(
+            k,
+            #[inline(always)]
+            |upper| self.upper_tangent(u, q, upper),
+        );
     }
 
     #[inline(always)]

@@ -345,7 +345,11 @@ where
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        mirrored(k, |upper| self.upper_tangent(u, q, upper));
+        mirrored(
+            k,
+            #[inline(always)]
+            |upper| self.upper_tangent(u, q, upper),
+        );
     }
 
     #[inline(always)]
