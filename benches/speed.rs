@@ -119,6 +119,8 @@ macro_rules! elements {
         let once = Continuum::selective_reduced(solid);
         let name = "fully parameterised, section once";
         formulation::<$r, _, _, $d, $s>($c, name, FullyParameterised, once.clone());
+        let name = "fully parameterised, section once, co-moving";
+        formulation::<$r, _, _, $d, $s>($c, name, FullyParameterised, CoMoving(once.clone()));
         formulation::<$r, _, _, $d, $q>($c, "quadratic continuum", Quadratic, once.axial(2));
         let rod = StructuralMechanics::new(&solid);
         formulation::<$r, _, _, $d, $q>($c, "quadratic rod", Quadratic, rod);

@@ -3,7 +3,7 @@
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::verify::{ByEnergy, ByForce, Staged, precision};
+use ancf::verify::{ByEnergy, ByForce, ByPoints, Staged, precision};
 use num_traits::Zero;
 use simba::simd::WideF32x8;
 
@@ -13,14 +13,21 @@ fn a_rotation_without_rounding_makes_no_force() {
     let steel = SaintVenantKirchhoff::<f32, 3>::isotropic(2e11, 0.3).unwrap();
     let (cycle, disk) = (|v: [f32; 3]| [v[2], v[0], v[1]], Disk::new(1e-3).unwrap());
     let reference = reference::<f32, FullyParameterised, 3, 8>(&FullyParameterised, 0.0);
-    let rule = CoMoving(Continuum::full(steel));
-    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
     let e = reference.vectors;
     let u = std::array::from_fn(|i| std::array::from_fn(|c| cycle(e[i])[c] - e[i][c] + 4.0));
     let u = positions_only::<_, FullyParameterised, 3, 8>(u, 4.0);
-    let mut q = [[0.0; 3]; 8];
-    kernel.force(&u, &mut q);
-    assert!(q.as_flattened().iter().all(|q| *q == 0.0), "{q:?}");
+    let force = |rule: &dyn Fn(&mut [[f32; 3]; 8])| {
+        let mut q = [[0.0; 3]; 8];
+        rule(&mut q);
+        assert!(q.as_flattened().iter().all(|q| *q == 0.0), "{q:?}");
+    };
+    // By products in two parts and in a frame.
+    let rule = CoMoving(Continuum::full(steel));
+    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    force(&|q| kernel.force(&u, q));
+    let rule = CoMoving(Continuum::full(ByPoints(steel)));
+    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    force(&|q| kernel.force(&u, q));
 }
 
 /// Takes a shift from the slopes.
@@ -155,6 +162,8 @@ fn families<R: Real>() {
             let rubber = rubber.unwrap();
             let solid = Continuum::selective_reduced(rubber);
             check::<R, _, _, $d, { 2 * ($d + 1) }>(FullyParameterised, solid.clone());
+            let points = Continuum::full(ByPoints(rubber));
+            check::<R, _, _, $d, { 2 * ($d + 1) }>(FullyParameterised, points);
             check::<R, _, _, $d, { 3 * $d }>(Quadratic, solid.axial(2));
             check::<R, _, _, $d, { 3 * $d }>(Quadratic, StructuralMechanics::new(&rubber));
             check::<R, _, _, $d, 4>(Cable, EulerBernoulli::new(&rubber));

@@ -9,15 +9,36 @@ use crate::tensor::{add_scaled, add_times};
 
 /// Adds to one vector a multiple of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Step<R> {
-    from: usize,
-    to: usize,
-    factor: R,
+pub(super) struct Step<R> {
+    pub(super) from: usize,
+    pub(super) to: usize,
+    pub(super) factor: R,
+    pub(super) kind: Kind,
+    /// Whether a leading vector has its final value after it.
+    pub(super) completes: bool,
+}
+
+/// What a step does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A slope less the first.
+    Bend,
+    /// To the first slope its share of the difference: their mean in the end.
+    Mean,
+    /// A position less the first.
+    Apart,
+    /// Less what a uniform stretch makes of a position.
+    Along,
 }
 
 /// A change of basis as a sequence of steps, each of which is undone by its opposite.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Basis<R>(Vec<Step<R>>);
+pub(super) struct Basis<R> {
+    steps: Vec<Step<R>>,
+    /// Mean slopes, and the chord where no slope is along the axis: those that are not zero in a
+    /// straight reference.
+    leads: Vec<usize>,
+}
 
 impl<R: Real> Basis<R> {
     /// Positions relative to the first, less what the mean slope along the axis, or without one the
@@ -29,38 +50,64 @@ impl<R: Real> Basis<R> {
             let all = at.map(|at| (at..S).step_by(per_node).collect::<Vec<_>>());
             all.unwrap_or_default()
         };
-        let mut steps = Vec::new();
-        let mut step = |from: usize, to: usize, factor: R| steps.push(Step { from, to, factor });
+        let (mut steps, mut leads) = (Vec::<Step<R>>::new(), Vec::new());
+        let mut step = |from: usize, to: usize, factor: R, kind: Kind| {
+            let completes = false;
+            steps.push(Step {
+                from,
+                to,
+                factor,
+                kind,
+                completes,
+            });
+        };
         for a in 0..D {
             if let [first, others @ ..] = &places(NodalVector::Slope(a))[..] {
                 let share = R::one() / R::lit((others.len() + 1) as f64);
-                others
-                    .iter()
-                    .for_each(|other| step(*first, *other, -R::one()));
-                others.iter().for_each(|other| step(*other, *first, share));
+                leads.push(*first);
+                for other in others {
+                    step(*first, *other, -R::one(), Kind::Bend);
+                }
+                for other in others {
+                    step(*other, *first, share, Kind::Mean);
+                }
             }
         }
         if let [first, others @ ..] = &places(NodalVector::Position)[..] {
-            others
-                .iter()
-                .for_each(|other| step(*first, *other, -R::one()));
+            for other in others {
+                step(*first, *other, -R::one(), Kind::Apart);
+            }
             let along = |n: usize| R::lit((n + 1) as f64) / R::lit(others.len() as f64);
             let slope = places(NodalVector::Slope(0)).first().copied();
             match (slope, others) {
                 (Some(slope), _) => {
                     for (n, other) in others.iter().enumerate() {
-                        step(slope, *other, -(along(n) * length));
+                        step(slope, *other, -(along(n) * length), Kind::Along);
                     }
                 }
                 (None, [middle @ .., last]) => {
+                    leads.push(*last);
                     for (n, other) in middle.iter().enumerate() {
-                        step(*last, *other, -along(n));
+                        step(*last, *other, -along(n), Kind::Along);
                     }
                 }
                 (None, []) => {}
             }
         }
-        Self(steps)
+        for lead in &leads {
+            if let Some(last) = steps.iter_mut().rfind(|step| step.to == *lead) {
+                last.completes = true;
+            }
+        }
+        Self { steps, leads }
+    }
+
+    pub(super) fn steps(&self) -> &[Step<R>] {
+        &self.steps
+    }
+
+    pub(super) fn leads(&self) -> &[usize] {
+        &self.leads
     }
 
     /// Nodal vectors turned into those of the basis, in place.
@@ -69,7 +116,10 @@ impl<R: Real> Basis<R> {
         &self,
         v: &mut [[T; D]; S],
     ) {
-        for Step { from, to, factor } in &self.0 {
+        for Step {
+            from, to, factor, ..
+        } in &self.steps
+        {
             // The minima are identities; they let the optimiser drop the bounds checks.
             let from = v[(*from).min(S - 1)];
             add_times(&mut v[(*to).min(S - 1)], *factor, &from);
@@ -80,7 +130,10 @@ impl<R: Real> Basis<R> {
     /// nothing: a complete element does not feel where its first node is.
     pub(super) fn change_row<const S: usize>(&self, row: &mut [R; S]) {
         let mut sizes = row.map(|a| a.abs());
-        for Step { from, to, factor } in &self.0 {
+        for Step {
+            from, to, factor, ..
+        } in &self.steps
+        {
             let (value, size) = (row[*to], sizes[*to]);
             row[*from] -= *factor * value;
             sizes[*from] += factor.abs() * size;
@@ -97,7 +150,10 @@ impl<R: Real> Basis<R> {
         &self,
         q: &mut [[T; D]; S],
     ) {
-        for Step { from, to, factor } in self.0.iter().rev() {
+        for Step {
+            from, to, factor, ..
+        } in self.steps.iter().rev()
+        {
             let to = q[(*to).min(S - 1)];
             add_times(&mut q[(*from).min(S - 1)], *factor, &to);
         }
@@ -110,7 +166,10 @@ impl<R: Real> Basis<R> {
         &self,
         k: &mut Tangent<T, D, S>,
     ) {
-        for Step { from, to, factor } in self.0.iter().rev() {
+        for Step {
+            from, to, factor, ..
+        } in self.steps.iter().rev()
+        {
             let (from, to) = ((*from).min(S - 1), (*to).min(S - 1));
             // The diagonal block gains the column as it was and the row as it is then.
             add_block(k, *factor, (to, from), (from, from));
@@ -130,7 +189,7 @@ impl<R: Real> Basis<R> {
         k: &mut Tangent<T, D, S>,
     ) {
         let factor = |step: &Step<R>| T::lift(step.factor);
-        for step in self.0.iter().rev() {
+        for step in self.steps.iter().rev() {
             let (from, to) = (step.from.min(S - 1), step.to.min(S - 1));
             let row = k[to];
             for c in 0..D {

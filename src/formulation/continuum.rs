@@ -3,16 +3,18 @@
 //! of [`Layer`]s: which part of the material is sampled with which rule. Where the elasticity is
 //! constant all layers are integrated once, when the kernel is made.
 
+use super::either::Either;
 use super::gram::{Form, GramKernel};
 use super::law::PointSection;
+use super::products::{Direct, InParts};
 use super::rank::{Stocky, check_rank};
 use super::sampled::{SampledKernel, section_samples};
-use super::{ElementKernel, Formulation, Reference, Tangent, section_points};
+use super::{Formulation, Reference, section_points};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::material::{Material, PoissonSplit};
 use crate::quadrature::gauss_legendre;
-use crate::scalar::{Algebra, LaneWork, Real};
+use crate::scalar::Real;
 use crate::section::Section;
 
 /// One part of the material and where it is sampled.
@@ -145,100 +147,32 @@ impl<M: PoissonSplit> Continuum<M> {
     }
 }
 
-/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`.
-#[derive(Debug, Clone)]
-pub enum ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> {
-    /// Constant elasticity in every layer: integrated once and for all.
-    Constant(GramKernel<R, D, S>),
-    /// Sampled at every evaluation.
-    Sampled(SampledKernel<R, PointSection<R, M, D>, D, S, K>),
-}
-
-/// Calls a method of the kernel there is.
-macro_rules! of_either {
-    ($self:ident.$method:ident($($argument:expr),*)) => {
-        match $self {
-            Self::Constant(kernel) => kernel.$method($($argument),*),
-            Self::Sampled(kernel) => kernel.$method($($argument),*),
-        }
-    };
-}
-
-impl<R, M, const D: usize, const S: usize, const K: usize> ElementKernel<R, D, S>
-    for ContinuumKernel<R, M, D, S, K>
-where
-    R: Real,
-    M: Material<R, D>,
-{
-    #[inline(always)]
-    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        of_either!(self.dispatch(work))
-    }
-
-    #[inline(always)]
-    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        of_either!(self.energy(u))
-    }
-
-    #[inline(always)]
-    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        of_either!(self.force(u, q));
-    }
-
-    #[inline(always)]
-    fn tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        of_either!(self.tangent(u, q, k));
-    }
-
-    #[inline(always)]
-    fn upper_tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        of_either!(self.upper_tangent(u, q, k));
-    }
-
-    fn has_strain(&self) -> bool {
-        of_either!(self.has_strain())
-    }
-
-    #[inline(always)]
-    fn secant<T: Algebra<R>>(
-        &self,
-        viscosity: R,
-        from: &[[T; D]; S],
-        to: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-    ) {
-        of_either!(self.secant(viscosity, from, to, q));
-    }
-
-    #[inline(always)]
-    fn secant_tangent<T: Algebra<R>>(
-        &self,
-        viscosity: R,
-        from: &[[T; D]; S],
-        to: &[[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        of_either!(self.secant_tangent(viscosity, from, to, k));
-    }
-}
+/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Constant elasticity in every layer is integrated once
+/// and for all, everything else sampled at every evaluation.
+pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> = Either<
+    GramKernel<R, Direct, D, S>,
+    Either<GramKernel<R, InParts<R, D, S>, D, S>, SampledKernel<R, PointSection<R, M, D>, D, S, K>>,
+>;
 
 impl<M> Continuum<M> {
-    fn kernel_of<R, E, const D: usize, const S: usize, const K: usize>(
+    /// Section points of a layer.
+    fn points<R: Real, const D: usize>(
+        layer: &Layer<M>,
+        section: &dyn Section<R>,
+    ) -> Result<Vec<([R; D], R)>> {
+        match layer.across {
+            Across::Degree(degree) => section_points(section, degree),
+            Across::Centroid => Ok(vec![centroid(section)?]),
+        }
+    }
+
+    /// The energy of all layers as a form, if each has constant elasticity.
+    fn form<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
         reference: &Reference<R, D, S>,
         section: &dyn Section<R>,
-    ) -> Result<ContinuumKernel<R, M, D, S, K>>
+    ) -> Result<Option<Form<R, D, S>>>
     where
         R: Real,
         E: Element<D, S>,
@@ -252,29 +186,44 @@ impl<M> Continuum<M> {
                 remedy: "give at least one layer, or use Continuum::full",
             });
         }
-        let samples = section_samples(element, reference.length)?;
-        let points = |layer: &Layer<M>| match layer.across {
-            Across::Degree(degree) => section_points(section, degree),
-            Across::Centroid => Ok(vec![centroid(section)?]),
-        };
         let moduli = |layer: &Layer<M>| layer.material.constant_elasticity();
-        if let Some(moduli) = self.layers.iter().map(moduli).collect::<Option<Vec<_>>>() {
-            let mut form = Form::new();
-            for (layer, moduli) in self.layers.iter().zip(moduli) {
-                let axial = gauss_legendre(layer.axial)?;
-                let points = points(layer)?;
-                form.add((element, reference), samples, &axial, &moduli, &points);
-            }
-            return Ok(ContinuumKernel::Constant(form.kernel::<E>(reference)));
+        let Some(moduli) = self.layers.iter().map(moduli).collect::<Option<Vec<_>>>() else {
+            return Ok(None);
+        };
+        let samples: [_; K] = section_samples(element, reference.length)?;
+        let mut form = Form::new();
+        for (layer, moduli) in self.layers.iter().zip(moduli) {
+            let axial = gauss_legendre(layer.axial)?;
+            let points = Self::points(layer, section)?;
+            form.add((element, reference), samples, &axial, &moduli, &points);
         }
+        Ok(Some(form))
+    }
+
+    fn kernel_of<R, E, const D: usize, const S: usize, const K: usize>(
+        &self,
+        element: &E,
+        reference: &Reference<R, D, S>,
+        section: &dyn Section<R>,
+    ) -> Result<ContinuumKernel<R, M, D, S, K>>
+    where
+        R: Real,
+        E: Element<D, S>,
+        M: Material<R, D>,
+    {
+        if let Some(form) = self.form::<R, E, D, S, K>(element, reference, section)? {
+            return Ok(Either::First(form.kernel::<E, _>(reference)));
+        }
+        let samples = section_samples(element, reference.length)?;
         let mut kernel = SampledKernel::new();
         for layer in &self.layers {
             let straight = reference.is_straight();
-            let law = PointSection::new(layer.material.clone(), points(layer)?, straight);
+            let points = Self::points(layer, section)?;
+            let law = PointSection::new(layer.material.clone(), points, straight);
             let axial = gauss_legendre(layer.axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
-        Ok(ContinuumKernel::Sampled(kernel))
+        Ok(Either::Second(Either::Second(kernel)))
     }
 }
 
@@ -308,6 +257,17 @@ macro_rules! dimension {
                 section: &dyn Section<R>,
             ) -> Result<Self::Kernel> {
                 self.kernel_of(element, reference, section)
+            }
+
+            fn turning_kernel(
+                &self,
+                element: &E,
+                reference: &Reference<R, $d, S>,
+                section: &dyn Section<R>,
+            ) -> Result<Option<Self::Kernel>> {
+                let form = self.form::<R, E, $d, S, $k>(element, reference, section)?;
+                let kernel = |form: Form<R, $d, S>| form.kernel::<E, _>(reference);
+                Ok(form.map(|form| Either::Second(Either::First(kernel(form)))))
             }
 
             fn resampled(&self, axial: usize, section_degree: usize) -> Option<Self> {

@@ -6,13 +6,14 @@
 
 use super::basis::Basis;
 use super::law::{first_column, material_frame};
+use super::products::{Products, Vectors};
 use super::sampled::Sample;
 use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, LaneWork, Real};
-use crate::tensor::{add_scaled, add_times, array, between, dot, sum};
+use crate::tensor::{add_scaled, add_times, array, between, sum};
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
 /// stretching, bending about each axis and torsion part.
@@ -47,17 +48,14 @@ struct Block<R> {
 /// `i = j`, of the scalar products of an element's vectors, by a basis of means and differences.
 ///
 /// With `sigma = C g`, the force on `v_i` is `sum_j sigma_ij v_j` and its derivative by `v_j`
-/// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. The changes are formed from displacements `h`, as
-/// `h_i . v_j + v0_i . h_j`, and keep their digits on slender beams.
+/// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. How changes keep their digits is told by `P`, a
+/// [`Products`].
 #[derive(Debug, Clone)]
-pub struct GramKernel<R, const D: usize, const S: usize> {
-    /// Vectors of the basis in the reference state.
-    reference: [[R; D]; S],
+pub struct GramKernel<R, P, const D: usize, const S: usize> {
+    products: P,
+    vectors: Vectors<R, D, S>,
     groups: Vec<Group<R>>,
     blocks: Vec<Block<R>>,
-    basis: Basis<R>,
-    /// Vectors of which no strain is made: the first position of a complete element.
-    unmet: [bool; S],
 }
 
 /// The quadratic form while parts are added to it: `[i][j][k][l]` between the pairs `i <= j` and
@@ -192,13 +190,11 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     }
 
     /// The kernel with the energy of what was added.
-    pub(super) fn kernel<E: Element<D, S>>(
+    pub(super) fn kernel<E: Element<D, S>, P: Products<R, D, S>>(
         &self,
         reference: &Reference<R, D, S>,
-    ) -> GramKernel<R, D, S> {
+    ) -> GramKernel<R, P, D, S> {
         let basis = Basis::of::<E, D, S>(reference.length);
-        let mut vectors = reference.vectors;
-        basis.change(&mut vectors);
         let groups = self.groups();
         let mut blocks = Vec::new();
         for row in 0..S {
@@ -208,12 +204,12 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         }
         let pairs: Vec<usize> = groups.iter().flat_map(|g| &g.pairs).copied().collect();
         let met = |i| pairs.iter().any(|pair| pair / S == i || pair % S == i);
+        let vectors = Vectors::new(basis, reference, array(met));
         GramKernel {
-            reference: vectors,
-            unmet: array(|i| !met(i)),
+            products: P::new(&vectors),
+            vectors,
             groups,
             blocks,
-            basis,
         }
     }
 }
@@ -282,43 +278,7 @@ impl<R: Real> Block<R> {
 /// Products that go through the form at once.
 const ROWS: usize = 4;
 
-impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
-    /// Displacements by vectors of the basis.
-    #[inline(always)]
-    fn relative<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> [[T; D]; S] {
-        let mut h = *u;
-        self.basis.change(&mut h);
-        h
-    }
-
-    /// Vectors of the basis displaced.
-    #[inline(always)]
-    fn displaced<T: Algebra<R>>(&self, h: &[[T; D]; S]) -> [[T; D]; S] {
-        array(|i| array(|c| h[i][c] + T::lift(self.reference[i][c])))
-    }
-
-    /// Changes of the products of displaced vectors `v`, for pairs `i <= j`.
-    #[inline(always)]
-    fn changes<T: Algebra<R>>(&self, h: &[[T; D]; S], v: &[[T; D]; S]) -> [[T; S]; S] {
-        let mut g = [[T::zero(); S]; S];
-        for i in 0..S {
-            if self.unmet[i] {
-                continue;
-            }
-            for j in i..S {
-                let mut change = dot(&h[i], &v[j]);
-                for c in 0..D {
-                    change = change.plus_times(self.reference[i][c], h[j][c]);
-                }
-                g[i][j] = match i == j {
-                    true => change.times(R::lit(0.5)),
-                    false => change,
-                };
-            }
-        }
-        g
-    }
-
+impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
     /// What is conjugate to the products, for pairs `i <= j`.
     #[inline(always)]
     fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S]) -> [[T; S]; S] {
@@ -368,15 +328,13 @@ impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
         ends: [&[[T; D]; S]; 2],
     ) -> ([[T; S]; S], [[[T; D]; S]; 2]) {
         let half = R::lit(0.5);
-        let h = ends.map(|u| self.relative(u));
-        let v = [self.displaced(&h[0]), self.displaced(&h[1])];
-        let [old, mut g] = [0, 1].map(|end| self.changes(&h[end], &v[end]));
+        let [(old, from), (mut g, to)] = ends.map(|u| self.products.changes(&self.vectors, u));
         for i in 0..S {
             for j in i..S {
                 g[i][j] = g[i][j].times(half + viscosity) + old[i][j].times(half - viscosity);
             }
         }
-        (self.stress(&g), v)
+        (self.stress(&g), [from, to])
     }
 
     /// Adds the force on nodal vectors.
@@ -384,21 +342,23 @@ impl<R: Real, const D: usize, const S: usize> GramKernel<R, D, S> {
     fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
         let mut force = [[T::zero(); D]; S];
         for i in 0..S {
-            if self.unmet[i] {
+            if !self.vectors.met[i] {
                 continue;
             }
             for j in 0..S {
                 add_scaled(&mut force[i], stress[i.min(j)][i.max(j)], &v[j]);
             }
         }
-        self.basis.change_force(&mut force);
+        self.vectors.basis.change_force(&mut force);
         for i in 0..S {
             q[i] = sum(&q[i], &force[i]);
         }
     }
 }
 
-impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKernel<R, D, S> {
+impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKernel<R, D, S>
+    for GramKernel<R, P, D, S>
+{
     #[inline(always)]
     fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
         R::dispatch(work)
@@ -406,8 +366,7 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let h = self.relative(u);
-        let g = self.changes(&h, &self.displaced(&h));
+        let (g, _) = self.products.changes(&self.vectors, u);
         let stress = self.stress(&g);
         let mut twice = T::zero();
         for i in 0..S {
@@ -420,9 +379,8 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
 
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        let h = self.relative(u);
-        let v = self.displaced(&h);
-        self.add_force(&self.stress(&self.changes(&h, &v)), &v, q);
+        let (g, v) = self.products.changes(&self.vectors, u);
+        self.add_force(&self.stress(&g), &v, q);
     }
 
     #[inline(always)]
@@ -446,9 +404,8 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let h = self.relative(u);
-        let v = &self.displaced(&h);
-        let stress = self.stress(&self.changes(&h, v));
+        let (g, v) = &self.products.changes(&self.vectors, u);
+        let stress = self.stress(g);
         for block in &self.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
@@ -461,7 +418,7 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
             }
         }
         self.add_force(&stress, v, q);
-        self.basis.change_upper(k);
+        self.vectors.basis.change_upper(k);
     }
 
     fn has_strain(&self) -> bool {
@@ -512,7 +469,7 @@ impl<R: Real, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKer
                 }
             }
         }
-        self.basis.change_tangent(&mut relative);
+        self.vectors.basis.change_tangent(&mut relative);
         let sums = k.as_flattened_mut().as_flattened_mut();
         for (k, row) in sums.iter_mut().zip(relative.as_flattened().as_flattened()) {
             *k = sum(k, row);

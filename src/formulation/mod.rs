@@ -19,9 +19,11 @@ mod cable;
 mod change;
 mod co_moving;
 mod continuum;
+mod either;
 mod gram;
 mod inertia;
 mod law;
+mod products;
 mod rank;
 mod relative;
 mod sampled;
@@ -29,12 +31,14 @@ mod structural;
 
 pub use cable::{CableEnergy, CableKernel, CableSection, EulerBernoulli};
 pub use change::{Change, changes};
-pub use co_moving::{CoMoving, CoMovingKernel};
+pub use co_moving::{CoMoving, CoMovingKernel, FramedKernel};
 pub use continuum::{Across, Continuum, ContinuumKernel, Layer};
+pub use either::Either;
 pub use gram::GramKernel;
 pub use inertia::Inertia;
 pub(crate) use law::varied;
 pub use law::{PointSection, SectionLaw, SectionStiffness};
+pub use products::{Direct, InParts, Products};
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 
@@ -259,6 +263,20 @@ pub trait Formulation<R: Real, E: Element<D, S>, const D: usize, const S: usize>
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel>;
 
+    /// A kernel that keeps its digits however far an element turns, where the formulation has one of
+    /// its own: what [`CoMoving`] takes instead of a frame. None by default.
+    ///
+    /// # Errors
+    /// Those of [`kernel`](Self::kernel).
+    fn turning_kernel(
+        &self,
+        _element: &E,
+        _reference: &Reference<R, D, S>,
+        _section: &dyn Section<R>,
+    ) -> Result<Option<Self::Kernel>> {
+        Ok(None)
+    }
+
     /// The same with this many axial points and this section degree, where it has such orders:
     /// what [`check`](Self::check) looks for orders that suffice with. None by default.
     fn resampled(&self, _axial: usize, _section_degree: usize) -> Option<Self>
@@ -298,6 +316,15 @@ where
         section: &dyn Section<R>,
     ) -> Result<Self::Kernel> {
         (**self).kernel(element, reference, section)
+    }
+
+    fn turning_kernel(
+        &self,
+        element: &E,
+        reference: &Reference<R, D, S>,
+        section: &dyn Section<R>,
+    ) -> Result<Option<Self::Kernel>> {
+        (**self).turning_kernel(element, reference, section)
     }
 
     fn check(&self, element: &E, section: &dyn Section<R>) -> Result<()> {

@@ -1,0 +1,92 @@
+//! One of two kernels, chosen when a scene is assembled: what makes a formulation of several paths a
+//! single type, with one choice per element and none in its arithmetic.
+
+use super::{ElementKernel, Tangent};
+use crate::scalar::{Algebra, LaneWork, Real};
+
+/// One of two kernels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Either<A, B> {
+    /// The first.
+    First(A),
+    /// The second.
+    Second(B),
+}
+
+/// Calls a method of the kernel there is.
+macro_rules! of_either {
+    ($self:ident.$method:ident($($argument:expr),*)) => {
+        match $self {
+            Self::First(kernel) => kernel.$method($($argument),*),
+            Self::Second(kernel) => kernel.$method($($argument),*),
+        }
+    };
+}
+
+impl<R, A, B, const D: usize, const S: usize> ElementKernel<R, D, S> for Either<A, B>
+where
+    R: Real,
+    A: ElementKernel<R, D, S>,
+    B: ElementKernel<R, D, S>,
+{
+    #[inline(always)]
+    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+        of_either!(self.dispatch(work))
+    }
+
+    #[inline(always)]
+    fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
+        of_either!(self.energy(u))
+    }
+
+    #[inline(always)]
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        of_either!(self.force(u, q));
+    }
+
+    #[inline(always)]
+    fn tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.tangent(u, q, k));
+    }
+
+    #[inline(always)]
+    fn upper_tangent<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.upper_tangent(u, q, k));
+    }
+
+    fn has_strain(&self) -> bool {
+        of_either!(self.has_strain())
+    }
+
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        of_either!(self.secant(viscosity, from, to, q));
+    }
+
+    #[inline(always)]
+    fn secant_tangent<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        of_either!(self.secant_tangent(viscosity, from, to, k));
+    }
+}
