@@ -281,8 +281,7 @@ const ROWS: usize = 4;
 impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
     /// What is conjugate to the products, for pairs `i <= j`.
     #[inline(always)]
-    fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S]) -> [[T; S]; S] {
-        let mut stress = [[T::zero(); S]; S];
+    fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S], stress: &mut [[T; S]; S]) {
         let g = changes.as_flattened();
         let sigma = stress.as_flattened_mut();
         // The minimum is the identity; it lets the optimiser drop the bounds checks.
@@ -317,7 +316,6 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
                 }
             }
         }
-        stress
     }
 
     /// What is conjugate to the products in the mean of a step, and the vectors at its ends.
@@ -328,13 +326,21 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         ends: [&[[T; D]; S]; 2],
     ) -> ([[T; S]; S], [[[T; D]; S]; 2]) {
         let half = R::lit(0.5);
-        let [(old, from), (mut g, to)] = ends.map(|u| self.products.changes(&self.vectors, u));
+        let mut changes = [[[T::zero(); S]; S]; 2];
+        let mut vectors = [[[T::zero(); D]; S]; 2];
+        for end in 0..2 {
+            let (g, v) = (&mut changes[end], &mut vectors[end]);
+            self.products.change(&self.vectors, ends[end], g, v);
+        }
+        let [old, mut g] = changes;
         for i in 0..S {
             for j in i..S {
                 g[i][j] = g[i][j].times(half + viscosity) + old[i][j].times(half - viscosity);
             }
         }
-        (self.stress(&g), [from, to])
+        let mut stress = [[T::zero(); S]; S];
+        self.stress(&g, &mut stress);
+        (stress, vectors)
     }
 
     /// Adds the force on nodal vectors.
@@ -366,8 +372,10 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let (g, _) = self.products.changes(&self.vectors, u);
-        let stress = self.stress(&g);
+        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
+        let mut v = [[T::zero(); D]; S];
+        self.products.change(&self.vectors, u, &mut g, &mut v);
+        self.stress(&g, &mut stress);
         let mut twice = T::zero();
         for i in 0..S {
             for j in i..S {
@@ -379,8 +387,12 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
 
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        let (g, v) = self.products.changes(&self.vectors, u);
-        self.add_force(&self.stress(&g), &v, q);
+        // Written in place: arrays of lanes are long.
+        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
+        let mut v = [[T::zero(); D]; S];
+        self.products.change(&self.vectors, u, &mut g, &mut v);
+        self.stress(&g, &mut stress);
+        self.add_force(&stress, &v, q);
     }
 
     #[inline(always)]
@@ -404,20 +416,22 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let (g, v) = &self.products.changes(&self.vectors, u);
-        let stress = self.stress(g);
+        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
+        let mut v = [[T::zero(); D]; S];
+        self.products.change(&self.vectors, u, &mut g, &mut v);
+        self.stress(&g, &mut stress);
         for block in &self.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
             for c in 0..D {
                 sum[c][c] = stress[i][j];
             }
-            block.add_dyads((v, v), &mut sum);
+            block.add_dyads((&v, &v), &mut sum);
             for c in 0..D {
                 k[i][c][j] = sum[c];
             }
         }
-        self.add_force(&stress, v, q);
+        self.add_force(&stress, &v, q);
         self.vectors.basis.change_upper(k);
     }
 

@@ -42,8 +42,12 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
 
     /// Vectors displaced by `h`.
     #[inline(always)]
-    fn displaced<T: Algebra<R>>(&self, h: &[[T; D]; S]) -> [[T; D]; S] {
-        array(|i| array(|c| h[i][c] + T::lift(self.reference[i][c])))
+    fn displace<T: Algebra<R>>(&self, h: &[[T; D]; S], v: &mut [[T; D]; S]) {
+        for i in 0..S {
+            for c in 0..D {
+                v[i][c] = h[i][c] + T::lift(self.reference[i][c]);
+            }
+        }
     }
 
     /// Changes of the products, for pairs `i <= j` and halved for `i = j`: the product itself where
@@ -53,8 +57,8 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
         &self,
         v: &[[T; D]; S],
         change: impl Fn(usize, usize) -> T,
-    ) -> [[T; S]; S] {
-        let mut g = [[T::zero(); S]; S];
+        g: &mut [[T; S]; S],
+    ) {
         for i in 0..S {
             if !self.met[i] {
                 continue;
@@ -70,7 +74,6 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
                 };
             }
         }
-        g
     }
 
     /// Change of the product of two displaced vectors.
@@ -96,13 +99,16 @@ pub trait Products<R: Real, const D: usize, const S: usize>:
     #[doc(hidden)]
     fn new(vectors: &Vectors<R, D, S>) -> Self;
 
-    /// Changes of the products, for pairs `i <= j` and halved for `i = j`, and the displaced vectors.
+    /// Overwrites the changes `g` of the products, for pairs `i <= j` and halved for `i = j`, and the
+    /// displaced vectors `v`.
     #[doc(hidden)]
-    fn changes<T: Algebra<R>>(
+    fn change<T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-    ) -> ([[T; S]; S], [[T; D]; S]);
+        g: &mut [[T; S]; S],
+        v: &mut [[T; D]; S],
+    );
 }
 
 /// From displacements, which keep the digits that a product of displaced vectors loses.
@@ -115,20 +121,22 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for Direct {
     }
 
     #[inline(always)]
-    fn changes<T: Algebra<R>>(
+    fn change<T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-    ) -> ([[T; S]; S], [[T; D]; S]) {
+        g: &mut [[T; S]; S],
+        v: &mut [[T; D]; S],
+    ) {
         let mut h = *u;
         vectors.basis.change(&mut h);
-        let v = vectors.displaced(&h);
-        let g = vectors.changes(
-            &v,
+        vectors.displace(&h, v);
+        vectors.changes(
+            v,
             #[inline(always)]
-            |i, j| vectors.change((&h, &v), (i, j)),
+            |i, j| vectors.change((&h, v), (i, j)),
+            g,
         );
-        (g, v)
     }
 }
 
@@ -180,20 +188,22 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
     }
 
     #[inline(always)]
-    fn changes<T: Algebra<R>>(
+    fn change<T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-    ) -> ([[T; S]; S], [[T; D]; S]) {
+        g: &mut [[T; S]; S],
+        v: &mut [[T; D]; S],
+    ) {
         let [h, coarse, fine] = self.parts(&vectors.basis, u);
-        let v = vectors.displaced(&h);
+        vectors.displace(&h, v);
         let on_grid: [[T; D]; S] = array(|i| array(|c| coarse[i][c] + T::lift(self.coarse[i][c])));
-        let g = vectors.changes(
-            &v,
+        vectors.changes(
+            v,
             #[inline(always)]
             |i: usize, j: usize| {
                 if !(self.leads[i] && self.leads[j]) {
-                    return vectors.change((&h, &v), (i, j));
+                    return vectors.change((&h, v), (i, j));
                 }
                 let mut exact = dot(&coarse[i], &on_grid[j]);
                 let mut small = dot(&on_grid[i], &fine[j]);
@@ -205,8 +215,8 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
                 }
                 exact + small
             },
+            g,
         );
-        (g, v)
     }
 }
 

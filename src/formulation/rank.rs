@@ -67,6 +67,10 @@ where
                     "use at least {axial} axial points with a section rule of degree {degree} or more"
                 )
             }
+            None if zero_below::<R>() > ZERO => format!(
+                "no other order tried removes them: sample more points, or give more stiffness to what has less than {:e} of the largest, which this number type does not tell from none, or take f64",
+                zero_below::<R>()
+            ),
             None => {
                 "no other order tried removes them: sample more points, or give more stiffness to what has none".into()
             }
@@ -169,6 +173,14 @@ fn unit<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     }
 }
 
+/// Below which an eigenvalue of the scaled stiffness counts as zero in a number type.
+fn zero_below<R: Real>() -> f64 {
+    match R::EPSILON > 1e-10 {
+        true => ZERO_SINGLE,
+        false => ZERO,
+    }
+}
+
 /// Rank of the tangent at the reference configuration, coordinates scaled to a unit diagonal.
 fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
     kernel: &Kn,
@@ -192,11 +204,7 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
         }
     });
     let scaled = DMatrix::from_fn(S * D, S * D, |i, j| scale[i] * matrix[(i, j)] * scale[j]);
-    let zero = if R::EPSILON > 1e-10 {
-        ZERO_SINGLE
-    } else {
-        ZERO
-    };
+    let zero = zero_below::<R>();
     if !scaled.iter().all(|v| v.is_finite()) {
         return 0;
     }

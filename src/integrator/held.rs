@@ -104,6 +104,17 @@ impl<R: Real, S: Structure<R>> Structure<R> for Middle<'_, R, S> {
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         self.structure.add_tangent(time, factor, u, k)
     }
+    fn add_tangent_and_mass(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: R,
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        self.structure
+            .add_tangent_and_mass(time, factor, u, mass, k)
+    }
     fn name(&self, i: usize) -> String {
         self.structure.name(i)
     }

@@ -56,14 +56,15 @@ pub trait LaneWork<R> {
 }
 
 /// Work of plain loops over numbers, compiled for the widest registers, which packs fill by themselves.
-/// The closure must be inlined.
+/// The closure must be inlined, which is why it is not asked to be one that is called once: those are
+/// called by way of a function that is not.
 pub(crate) struct Loops<F>(pub(crate) F);
 
-impl<R, T, F: FnOnce() -> T> LaneWork<R> for Loops<F> {
+impl<R, T, F: FnMut() -> T> LaneWork<R> for Loops<F> {
     type Output = T;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> T {
+    fn run<L: Lanes<R>>(mut self) -> T {
         (self.0)()
     }
 }

@@ -35,7 +35,8 @@ pub(super) struct Link<R, Kn, const D: usize, const S: usize> {
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
     fn force(&self, u: &[R], q: &mut [R]);
-    fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()>;
+    /// Tangent and, with a density, this share of the mass matrix.
+    fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()>;
     /// Whether the secant force is made of strains.
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
@@ -318,10 +319,11 @@ where
     }
 }
 
-/// Adds the tangents of a chain's elements.
+/// Adds the tangents of a chain's elements, with a share of their mass where that is wanted.
 struct Stiffness<'a, C, R> {
     chain: &'a C,
     u: &'a [R],
+    mass: Option<R>,
     k: &'a mut Matrix<R>,
 }
 
@@ -337,7 +339,7 @@ where
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> Result<()> {
-        let Self { chain, u, k } = self;
+        let Self { chain, u, mass, k } = self;
         let mut result = Ok(());
         let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
         chain.groups::<L, 1>(
@@ -346,6 +348,16 @@ where
             |elements, link, [u]| {
                 let mut force = [[L::zero(); D]; S];
                 link.kernel.upper_tangent(u, &mut force, &mut tangent);
+                if let (Some(share), Some(inertia)) = (mass, &link.inertia) {
+                    for i in 0..S {
+                        for j in i..S {
+                            let m = L::lift(share * inertia.mass[i][j]);
+                            for c in 0..D {
+                                tangent[i][c][j][c] += m;
+                            }
+                        }
+                    }
+                }
                 if !k.stored().is_symmetric() {
                     mirror(&mut tangent);
                 }
@@ -497,8 +509,13 @@ where
         self.run(Force { chain: self, u, q });
     }
 
-    fn tangent(&self, u: &[R], k: &mut Matrix<R>) -> Result<()> {
-        self.run(Stiffness { chain: self, u, k })
+    fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
+        self.run(Stiffness {
+            chain: self,
+            u,
+            mass,
+            k,
+        })
     }
 
     fn has_strain(&self) -> bool {

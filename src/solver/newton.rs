@@ -16,8 +16,9 @@ use super::structure::{add_growing, held};
 use super::unknowns::Unknowns;
 use super::{Structure, Tape};
 use crate::error::{Error, Result};
-use crate::scalar::{Mask, Real};
+use crate::scalar::{Loops, Mask, Real};
 use balance::Balance;
+use balance::PARTS;
 pub(crate) use balance::norm;
 pub(crate) use equations::{Changes, Choice, Equations, Rest};
 pub use settings::{Newton, Refresh, Solved};
@@ -58,7 +59,7 @@ pub(crate) struct Workspace<R> {
     current: bool,
     /// The largest force met first in this solve; zero as long as there was none.
     force: R,
-    /// Natural sizes of the unknowns over the largest of any coordinate.
+    /// Natural sizes of the coordinates over the largest; zero for those that are no unknowns.
     weights: Vec<R>,
     /// Reciprocals of the natural sizes of all coordinates; zero for multipliers, which have none: the
     /// residual tells about them.
@@ -105,6 +106,10 @@ impl<R: Real> Workspace<R> {
             true => R::zero(),
             false => R::one() / *size,
         };
+        let mut weights = zeros();
+        for &i in unknowns.free() {
+            weights[i] = measure[i] / size;
+        }
         Self {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
@@ -112,7 +117,7 @@ impl<R: Real> Workspace<R> {
             held_mass: false,
             current: false,
             force: R::zero(),
-            weights: unknowns.free().iter().map(|&i| measure[i] / size).collect(),
+            weights,
             per_size: measure.iter().enumerate().map(per_size).collect(),
             internal: zeros(),
             external: zeros(),
@@ -271,7 +276,7 @@ impl<R: Real> Workspace<R> {
             } & corrected_by(settings.correction);
             if stuck.any() {
                 self.tangent.clear();
-                self.add_tangent(structure, &equations, u)?;
+                self.add_tangent(structure, &equations, u, None)?;
                 let rounding = self.rounding(structure, structure.measure())? / self.unit();
                 at_floor |= stuck & balance.residual.at_most(rounding);
             }
@@ -346,9 +351,13 @@ impl<R: Real> Workspace<R> {
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
+        mass: Option<R>,
     ) -> Result<()> {
-        let (time, k) = (equations.time, &mut self.tangent);
-        structure.add_tangent(time, equations.factor, u, k)?;
+        let (time, factor, k) = (equations.time, equations.factor, &mut self.tangent);
+        match mass {
+            Some(mass) => structure.add_tangent_and_mass(time, factor, u, mass, k)?,
+            None => structure.add_tangent(time, factor, u, k)?,
+        }
         if let Rest::Permanent = equations.rest {
             structure.subtract_permanent_tangent(time, R::one() - equations.factor, u, k)?;
         }
@@ -363,10 +372,8 @@ impl<R: Real> Workspace<R> {
     ) -> Result<()> {
         self.forget();
         self.tangent.clear();
-        self.add_tangent(structure, equations, u)?;
-        if let Some((rate, _)) = equations.inertia {
-            structure.add_mass(rate, &mut self.tangent)?;
-        }
+        let mass = equations.inertia.map(|(rate, _)| rate);
+        self.add_tangent(structure, equations, u, mass)?;
         let factored = self.factor.factor(self.tangent.stored());
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {
@@ -422,15 +429,25 @@ impl<R: Real> Workspace<R> {
     /// Applies the correction in `scratch` to the lanes that are `open` and returns its largest
     /// component in natural sizes.
     fn correct(&mut self, open: Mask, u: &mut [R]) -> R {
-        let mut largest = R::zero();
-        let corrected = u.iter_mut().zip(&mut self.moved).zip(&self.scratch);
-        for (((u, moved), du), per_size) in corrected.zip(&self.per_size) {
-            let du = du.where_else(open, R::zero());
-            *u += du;
-            *moved += du;
-            largest = largest.larger((du * *per_size).abs());
-        }
-        largest
+        let mut largest = [R::zero(); PARTS];
+        let (moved, changes) = (&mut self.moved, &self.scratch);
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                let u = u.chunks_mut(PARTS).zip(moved.chunks_mut(PARTS));
+                let changes = changes.chunks(PARTS).zip(self.per_size.chunks(PARTS));
+                for ((u, moved), (changes, per_size)) in u.zip(changes) {
+                    let parts = u.iter_mut().zip(moved).zip(changes).zip(per_size);
+                    for ((((u, moved), du), per_size), largest) in parts.zip(&mut largest) {
+                        let du = du.where_else(open, R::zero());
+                        *u += du;
+                        *moved += du;
+                        *largest = largest.larger((du * *per_size).abs());
+                    }
+                }
+            },
+        ));
+        largest.into_iter().fold(R::zero(), R::larger)
     }
 }
 

@@ -160,6 +160,22 @@ pub trait Structure<R: Real> {
     /// When a load is not finite.
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()>;
 
+    /// Adds the tangent and `mass * M`; by default one after the other.
+    ///
+    /// # Errors
+    /// Those of [`add_tangent`](Self::add_tangent) and [`add_mass`](Self::add_mass).
+    fn add_tangent_and_mass(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: R,
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        self.add_tangent(time, factor, u, k)?;
+        self.add_mass(mass, k)
+    }
+
     /// What coordinate `i` is, in words, for messages.
     fn name(&self, i: usize) -> String {
         format!("coordinate {i}")

@@ -148,7 +148,27 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
 
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         for body in &self.bodies {
-            body.elastic().tangent(u, k)?;
+            body.elastic().tangent(u, None, k)?;
+        }
+        for link in &self.connectors {
+            link.tangent(u, k)?;
+        }
+        self.subtract_loads(&self.loads, time, factor, u, k)
+    }
+
+    fn add_tangent_and_mass(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: R,
+        k: &mut Matrix<R>,
+    ) -> Result<()> {
+        for body in &self.bodies {
+            body.elastic().tangent(u, Some(mass), k)?;
+        }
+        for (vector, m) in &self.masses {
+            k.add_alike(vector * D, vector * D, D, mass, &[*m])?;
         }
         for link in &self.connectors {
             link.tangent(u, k)?;

@@ -12,8 +12,17 @@ use crate::tensor::array;
 const PANEL: usize = 4;
 
 /// Numbers a scalar product is summed in, whatever the registers hold, so that all of them round
-/// alike; and one more than a register may reach beyond the end of a column.
+/// alike.
 const SUMS: usize = 8;
+
+/// Numbers that a register of heavy work reaches at most beyond the end of a column.
+const fn overrun<R>() -> usize {
+    const BYTES: usize = 32;
+    match BYTES / size_of::<R>() {
+        0 => 0,
+        lanes => lanes - 1,
+    }
+}
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
 /// panel of pivots before it adds up to two, half of them of one sign or the other.
@@ -29,8 +38,8 @@ pub(super) struct Ldlt<R> {
     /// Columns of `L` from the diagonal down, which itself is left out of use, and zeros behind
     /// them: registers reach beyond the end of a column.
     columns: Vec<R>,
-    stride: usize,
-    half: usize,
+    /// Where each column starts, and where the last ends.
+    starts: Vec<usize>,
     /// How many unknowns are eliminated together with each one: their reach is the same, so that
     /// they share their rows.
     counts: Vec<usize>,
@@ -38,6 +47,8 @@ pub(super) struct Ldlt<R> {
     inverse: Vec<R>,
     /// Columns of the current pivots below them, before division by the pivot.
     panel: Vec<R>,
+    /// Room for one of them.
+    room: usize,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
     magnitude: Vec<R>,
     /// The vector being solved for, and zeros behind it.
@@ -70,14 +81,19 @@ fn counts(reach: &[usize]) -> Vec<usize> {
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let stride = half + SUMS;
+        let mut starts = vec![0];
+        let mut end = 0;
+        for (j, last) in profile.reach().iter().enumerate() {
+            end += last + 1 - j + overrun::<R>();
+            starts.push(end);
+        }
         Self {
-            columns: vec![R::zero(); size * stride],
-            stride,
-            half,
+            columns: vec![R::zero(); end],
+            starts,
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
-            panel: vec![R::zero(); PANEL * stride],
+            room: half + 1 + overrun::<R>(),
+            panel: vec![R::zero(); PANEL * (half + 1 + overrun::<R>())],
             magnitude: vec![R::zero(); size],
             vector: vec![R::zero(); size + SUMS - 1],
             negative: R::zero(),
@@ -91,8 +107,8 @@ impl<R: Real> Ldlt<R> {
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.negative)?;
         // What lies behind a column depends on the processor.
-        for column in self.columns.chunks_exact_mut(self.stride) {
-            tape.numbers(&mut column[..=self.half])?;
+        for bounds in self.starts.windows(2) {
+            tape.numbers(&mut self.columns[bounds[0]..bounds[1] - overrun::<R>()])?;
         }
         tape.numbers(&mut self.inverse)
     }
@@ -157,12 +173,12 @@ impl<R: Real> Ldlt<R> {
     /// Eliminates `P` unknowns from the right-hand side and divides them by their pivots.
     #[inline(always)]
     fn forward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (columns, below) = self.below::<P>(j, last);
+        let (own, columns, below) = self.panel::<P>(j, last);
         let mut known = [R::zero(); P];
         for p in 0..P {
             known[p] = x[j + p];
             for q in 0..p {
-                known[p] -= self.columns[(j + q) * self.stride + p - q] * known[q];
+                known[p] -= own[q][p - q] * known[q];
             }
         }
         let rest = &mut x[j + P..];
@@ -181,7 +197,7 @@ impl<R: Real> Ldlt<R> {
     /// Finds `P` unknowns from those behind them.
     #[inline(always)]
     fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (columns, below) = self.below::<P>(j, last);
+        let (own, columns, below) = self.panel::<P>(j, last);
         assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
         let mut sums = [[L::zero(); SUMS]; P];
         for i in (0..below).step_by(SUMS) {
@@ -192,6 +208,7 @@ impl<R: Real> Ldlt<R> {
                 }
             }
         }
+        let mut solved = [R::zero(); P];
         for p in (0..P).rev() {
             let mut parts = [R::zero(); SUMS];
             for part in 0..SUMS / L::WIDTH {
@@ -202,18 +219,28 @@ impl<R: Real> Ldlt<R> {
                 value -= sum;
             }
             for q in p + 1..P {
-                value -= self.columns[(j + p) * self.stride + q - p] * x[j + q];
+                value -= own[p][q - p] * solved[q];
             }
-            x[j + p] = value;
+            solved[p] = value;
+        }
+        if P == L::WIDTH {
+            // As one register: they are read as one next, which would wait for four.
+            L::load(&solved).store(&mut x[j..]);
+        } else {
+            x[j..j + P].copy_from_slice(&solved);
         }
     }
 
-    /// The columns of the unknowns `j..j + P` from the first row below them on, and the number of
-    /// rows up to `last`.
+    /// The columns of the unknowns `j..j + P`, each from its diagonal down and all as long from the
+    /// first row below them on, and the number of rows up to `last`.
     #[inline(always)]
-    fn below<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], usize) {
-        let column = |p| &self.columns[(j + p) * self.stride..][P - p..self.stride];
-        (array(column), last + 1 - (j + P))
+    fn panel<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], [&[R]; P], usize) {
+        let below = last + 1 - (j + P);
+        let starts = &self.starts[j..j + P];
+        let own: [&[R]; P] = array(|p| &self.columns[starts[p]..][..P - p]);
+        let reached = below + overrun::<R>();
+        let columns = array(|p| &self.columns[starts[p] + P - p..][..reached]);
+        (own, columns, below)
     }
 
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
@@ -223,7 +250,7 @@ impl<R: Real> Ldlt<R> {
         for i in j..self.inverse.len() {
             let start = matrix.diagonal(i);
             let now = if i < copied {
-                self.columns[i * self.stride]
+                self.columns[self.starts[i]]
             } else {
                 start
             };
@@ -241,7 +268,7 @@ impl<R: Real> Ldlt<R> {
         matrix: &BandMatrix<R>,
         definite: bool,
     ) -> Result<bool> {
-        let stride = self.stride;
+        let room = self.room;
         // The triangle of the pivots themselves, before and after division by them. No branches:
         // it must stay in registers.
         let mut before = [[R::zero(); P]; P];
@@ -249,7 +276,7 @@ impl<R: Real> Ldlt<R> {
         let mut inverse = [R::zero(); P];
         for p in 0..P {
             for i in p..P {
-                let mut entry = self.columns[(j + p) * stride + i - p];
+                let mut entry = self.columns[self.starts[j + p] + i - p];
                 for q in 0..p {
                     entry -= after[q][i] * before[q][p];
                 }
@@ -273,16 +300,18 @@ impl<R: Real> Ldlt<R> {
                 return Ok(false);
             }
         }
+        let starts = &self.starts[j..=last + 1];
         for p in 0..P {
             self.inverse[j + p] = inverse[p];
             for i in p + 1..P {
-                self.columns[(j + p) * stride + i - p] = after[p][i];
+                self.columns[starts[p] + i - p] = after[p][i];
             }
         }
         let below = last + 1 - (j + P);
-        let (pivots, open) = self.columns[j * stride..].split_at_mut(P * stride);
+        let (pivots, open) =
+            self.columns[starts[0]..starts[last + 1 - j]].split_at_mut(starts[P] - starts[0]);
         // Where every column of the panel, and its copy, have the first row below the pivots.
-        let (scaled, unscaled) = (|p| p * stride + P - p, |p| p * stride);
+        let (scaled, unscaled) = (|p: usize| starts[p] - starts[0] + P - p, |p| p * room);
         for i in (0..below).step_by(L::WIDTH) {
             let mut l = [L::zero(); P];
             for p in 0..P {
@@ -306,7 +335,7 @@ impl<R: Real> Ldlt<R> {
             }
         }
         for k in 0..below {
-            let column = &mut open[k * stride..][..stride];
+            let column = &mut open[starts[P + k] - starts[P]..];
             let factors: [R; P] = array(|p| -unscaled[p][k]);
             // Slices of one length, so that their bounds are checked once.
             let reached = below - k + L::WIDTH - 1;
@@ -338,6 +367,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> Result<bool> {
         let Self { ldlt, matrix } = self;
+        assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
         let reach = matrix.profile().reach();
         ldlt.negative = R::zero();
         let mut definite = true;
@@ -346,10 +376,12 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
             let last = reach[j];
             // Columns are fetched just before their first use, while the cache still holds them.
             while copied <= last {
-                let source = matrix.column(copied);
-                let target = &mut ldlt.columns[copied * ldlt.stride..][..ldlt.stride];
-                target[..source.len()].copy_from_slice(source);
-                target[source.len()..].fill(R::zero());
+                let source = matrix.line(copied);
+                let (start, end) = (ldlt.starts[copied], ldlt.starts[copied + 1]);
+                let target = &mut ldlt.columns[start..end];
+                let count = target.len() - overrun::<R>();
+                target[..count].copy_from_slice(&source[..count]);
+                target[count..].fill(R::zero());
                 copied += 1;
             }
             let count = ldlt.counts[j];

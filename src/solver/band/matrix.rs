@@ -13,12 +13,19 @@ use crate::scalar::{Lanes, Loops, Real};
 /// `i + half_bandwidth`; a symmetric one by the columns of its lower triangle, column `j` from the
 /// diagonal to row `j + half_bandwidth`: its factors are formed column by column. No method but
 /// the constructors allocates.
+///
+/// Clearing costs nothing: such a line is filled with zeros when something is added to it or behind
+/// it, so that long matrices go through the cache once where they are assembled in order.
 #[derive(Debug, Clone)]
 pub struct BandMatrix<R> {
     profile: Profile,
     symmetric: bool,
     width: usize,
     data: Vec<R>,
+    /// Lines from this one on are zero, whatever `data` holds.
+    written: usize,
+    /// One line of zeros.
+    zeros: Vec<R>,
 }
 
 impl<R: Real> BandMatrix<R> {
@@ -40,6 +47,8 @@ impl<R: Real> BandMatrix<R> {
             symmetric,
             width,
             data: vec![R::zero(); profile.size() * width],
+            written: profile.size(),
+            zeros: vec![R::zero(); width],
         }
     }
 
@@ -81,29 +90,45 @@ impl<R: Real> BandMatrix<R> {
         };
         // From the diagonal on, a row is the column below.
         let start = match self.symmetric {
-            true => self.index(i, i),
-            false => self.index(i, first),
+            true => 0,
+            false => self.profile.half_bandwidth() + first - i,
         };
         (
             first,
-            &self.data[start..=start + self.profile.reach()[i] - first],
+            &self.line(i)[start..=start + self.profile.reach()[i] - first],
         )
     }
 
     #[inline(always)]
     pub(super) fn diagonal(&self, i: usize) -> R {
-        self.data[self.index(i, i)]
+        match self.symmetric {
+            true => self.line(i)[0],
+            false => self.line(i)[self.profile.half_bandwidth()],
+        }
     }
 
-    /// The stored entries of column `j` of a symmetric matrix and the zeros behind them.
+    /// What is stored of row `i`, or of column `i` of a symmetric matrix, and the zeros behind it.
     #[inline(always)]
-    pub(super) fn column(&self, j: usize) -> &[R] {
-        &self.data[j * self.width..][..self.width]
+    pub(super) fn line(&self, i: usize) -> &[R] {
+        match i < self.written {
+            true => &self.data[i * self.width..][..self.width],
+            false => &self.zeros,
+        }
+    }
+
+    /// Has all lines up to this one written.
+    #[inline(always)]
+    fn write_up_to(&mut self, line: usize) {
+        if line >= self.written {
+            let fresh = self.written * self.width..(line + 1) * self.width;
+            self.data[fresh].fill(R::zero());
+            self.written = line + 1;
+        }
     }
 
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
-        self.data.fill(R::zero());
+        self.written = 0;
     }
 
     /// Entry `(i, j)`; zero outside the envelope.
@@ -112,10 +137,9 @@ impl<R: Real> BandMatrix<R> {
         if !self.profile.contains(i, j) {
             return R::zero();
         }
-        if self.symmetric && j > i {
-            self.data[self.index(j, i)]
-        } else {
-            self.data[self.index(i, j)]
+        match self.symmetric {
+            true => self.line(i.min(j))[i.abs_diff(j)],
+            false => self.line(i)[self.profile.half_bandwidth() + j - i],
         }
     }
 
@@ -130,6 +154,7 @@ impl<R: Real> BandMatrix<R> {
             return Err(Error::OutsideProfile { row: i, column: j });
         }
         if !self.symmetric || j <= i {
+            self.write_up_to(if self.symmetric { j } else { i });
             let index = self.index(i, j);
             self.data[index] += value;
         }
@@ -153,6 +178,7 @@ impl<R: Real> BandMatrix<R> {
                 column: p,
             });
         }
+        self.write_up_to(p + n - 1);
         let start = self.index(q, p);
         let stride = self.width;
         for (t, m) in row.iter().enumerate() {
@@ -185,6 +211,7 @@ impl<R: Real> BandMatrix<R> {
                 column: offset,
             });
         }
+        self.write_up_to(offset + n - 1);
         let full = block.len() == n * n;
         if !full {
             Error::check_length("element matrix", block.len(), n * (n + 1) / 2)?;
@@ -241,6 +268,7 @@ impl<R: Real> BandMatrix<R> {
                 return Err(Error::OutsideProfile { row: i, column });
             }
         }
+        self.write_up_to(i);
         // Right of the diagonal, a row is the column below.
         let start = match self.symmetric {
             true => self.index(first, i),
@@ -266,6 +294,7 @@ impl<R: Real> BandMatrix<R> {
             if !self.profile.contains(row, column) {
                 return Err(Error::OutsideProfile { row, column });
             }
+            self.write_up_to(row);
         }
         for i in 0..n {
             let (width, half) = (self.width, self.profile.half_bandwidth());
@@ -328,7 +357,9 @@ impl<R: Real> BandMatrix<R> {
     /// the same triangles.
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.check_alike(other)?;
-        self.data.copy_from_slice(&other.data);
+        let written = other.written * self.width;
+        self.data[..written].copy_from_slice(&other.data[..written]);
+        self.written = other.written;
         Ok(())
     }
 
@@ -339,7 +370,11 @@ impl<R: Real> BandMatrix<R> {
     /// the same triangles.
     pub fn scale_add(&mut self, alpha: R, other: &Self) -> Result<()> {
         self.check_alike(other)?;
-        for (a, b) in self.data.iter_mut().zip(&other.data) {
+        if let Some(last) = other.written.checked_sub(1) {
+            self.write_up_to(last);
+        }
+        let written = other.written * self.width;
+        for (a, b) in self.data.iter_mut().zip(&other.data[..written]) {
             *a += alpha * *b;
         }
         Ok(())

@@ -5,6 +5,7 @@ use super::{Equations, Rest, Workspace};
 use crate::error::Result;
 use crate::scalar::{Loops, Real};
 use crate::solver::Structure;
+use crate::tensor::array;
 
 /// A force balance: the residual's norm and the largest norm among its parts, in units of the
 /// solve's force.
@@ -41,8 +42,9 @@ impl<R: Real> Workspace<R> {
         match equations.inertia {
             Some((rate, predicted)) => {
                 self.inertia.fill(R::zero());
-                for i in 0..u.len() {
-                    self.scratch[i] = predicted[i] + rate * self.moved[i];
+                let moved = predicted.iter().zip(&self.moved);
+                for (a, (predicted, moved)) in self.scratch.iter_mut().zip(moved) {
+                    *a = *predicted + rate * *moved;
                 }
                 structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
                 Ok(self.norms(structure, true))
@@ -76,32 +78,21 @@ impl<R: Real> Workspace<R> {
             self.force = largest.where_else(open, self.force);
         }
         let unit = R::one() / self.unit();
-        let squares = R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                let mut squares = [R::zero(); 4];
-                for (&i, weight) in unknowns.free().iter().zip(&self.weights) {
-                    let (external, internal) = (self.external[i], self.internal[i]);
-                    let inertia = if inertia { self.inertia[i] } else { R::zero() };
-                    let residual = external - internal - inertia;
-                    self.scratch[i] = residual;
-                    // Twice a factor, and not by their product, which leaves the range of singles.
-                    for (square, part) in squares
-                        .iter_mut()
-                        .zip([residual, external, internal, inertia])
-                    {
-                        let part = part * unit * *weight;
-                        *square += part * part;
-                    }
-                }
-                squares
-            },
-        ));
-        let largest = squares[1].larger(squares[2]).larger(squares[3]);
+        let (residual, weights) = (&mut self.scratch[..], &self.weights[..]);
+        let (residual, largest) = match inertia {
+            true => {
+                let forces = [&self.external[..], &self.internal, &self.inertia];
+                squares(forces, residual, weights, unit)
+            }
+            false => {
+                let forces = [&self.external[..], &self.internal];
+                squares(forces, residual, weights, unit)
+            }
+        };
         // A state without any force is its own solution: avoid 0 / 0.
         let scale = R::one().where_else(largest.at_most(R::zero()), largest);
         Balance {
-            residual: norm(squares[0]),
+            residual: norm(residual),
             scale: norm(scale),
         }
     }
@@ -124,7 +115,7 @@ impl<R: Real> Workspace<R> {
         // found before.
         if equations.inertia.is_some() {
             self.tangent.clear();
-            self.add_tangent(structure, equations, u)?;
+            self.add_tangent(structure, equations, u, None)?;
         }
         let floor = self.rounding(structure, u)?;
         Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
@@ -161,8 +152,8 @@ impl<R: Real> Workspace<R> {
         }
         let force = self.unit();
         let mut square = R::zero();
-        for (rounded, weight) in self.rounded.iter().zip(&self.weights) {
-            let part = *rounded / force * *weight;
+        for (rounded, &i) in self.rounded.iter().zip(unknowns.free()) {
+            let part = *rounded / force * self.weights[i];
             square += part * part;
         }
         Ok(norm(square) * R::lit(R::EPSILON) * self.unit())
@@ -191,6 +182,82 @@ impl<R: Real> Workspace<R> {
         let share = change / R::one().where_else(still, moved);
         Ok(R::zero().where_else(still, share).largest())
     }
+}
+
+/// Partial sums of a reduction, which registers hold side by side; as many whatever the registers, so
+/// that all of them round alike.
+pub(super) const PARTS: usize = 8;
+
+/// Overwrites the `residual`, the first force less the others; the square of its norm and the largest of
+/// those of the forces, in units and by weights.
+fn squares<R: Real, const N: usize>(
+    forces: [&[R]; N],
+    residual: &mut [R],
+    weights: &[R],
+    unit: R,
+) -> (R, R) {
+    let mut sums = Squares([R::zero(); PARTS], [[R::zero(); PARTS]; N]);
+    R::dispatch(Loops(
+        #[inline(always)]
+        || {
+            let count = residual.len();
+            let whole = count - count % PARTS;
+            for at in (0..whole).step_by(PARTS) {
+                let forces = array(|n| load(&forces[n][at..]));
+                let rest = sums.add(forces, &load(&weights[at..]), unit);
+                residual[at..at + PARTS].copy_from_slice(&rest);
+            }
+            let left = count - whole;
+            let mut last = [[R::zero(); PARTS]; N];
+            let mut weight = [R::zero(); PARTS];
+            for k in 0..left {
+                weight[k] = weights[whole + k];
+                for n in 0..N {
+                    last[n][k] = forces[n][whole + k];
+                }
+            }
+            let rest = sums.add(last, &weight, unit);
+            residual[whole..].copy_from_slice(&rest[..left]);
+        },
+    ));
+    let Squares(left, own) = sums;
+    let sum = |parts: [R; PARTS]| parts.into_iter().sum::<R>();
+    let largest = own.map(sum).into_iter().fold(R::zero(), R::larger);
+    (sum(left), largest)
+}
+
+/// Partial sums of the squares of a residual and of the forces it is made of.
+struct Squares<R, const N: usize>([R; PARTS], [[R; PARTS]; N]);
+
+impl<R: Real, const N: usize> Squares<R, N> {
+    #[inline(always)]
+    fn add(&mut self, forces: [[R; PARTS]; N], weights: &[R; PARTS], unit: R) -> [R; PARTS] {
+        let mut rest = forces[0];
+        for n in 1..N {
+            for k in 0..PARTS {
+                rest[k] -= forces[n][k];
+            }
+        }
+        // Twice a factor, and not by their product, which leaves the range of singles.
+        for k in 0..PARTS {
+            let part = rest[k] * unit * weights[k];
+            self.0[k] += part * part;
+        }
+        for n in 0..N {
+            for k in 0..PARTS {
+                let part = forces[n][k] * unit * weights[k];
+                self.1[n][k] += part * part;
+            }
+        }
+        rest
+    }
+}
+
+/// The first numbers of a slice.
+#[inline(always)]
+fn load<R: Real>(from: &[R]) -> [R; PARTS] {
+    let from = &from[..PARTS];
+    array(|k| from[k])
 }
 
 /// Square root that carries a zero derivative at zero instead of NaN.
