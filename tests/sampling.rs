@@ -78,6 +78,29 @@ fn the_refusal_names_the_rank_and_the_orders_that_suffice() {
     assert!(text.contains("at least 3 axial points"), "{text}");
 }
 
+/// A torsion a million times softer than the axis is nothing to single precision, and the message does
+/// not leave it at the rule.
+#[test]
+fn single_precision_says_which_stiffness_it_takes_for_none() {
+    fn add<R: Real>() -> Result<BeamId> {
+        let stiffness = BeamStiffness {
+            axial: R::lit(1e6),
+            shear: [R::lit(1e6); 2],
+            torsion: R::one(),
+            bending: [R::one(), R::lit(1e4)],
+        };
+        let rule = StructuralMechanics::with_stiffness(stiffness)?;
+        let one = R::one();
+        let beam = Beam::new(Quadratic, Moments::new(one, one, one)?, rule);
+        let axis = [one, R::zero(), R::zero()];
+        Scene::<R, 3>::new().add(beam.straight([R::zero(); 3], axis, 8))
+    }
+    assert!(add::<f64>().is_ok());
+    let text = add::<f32>().unwrap_err().to_string();
+    assert!(text.contains("less than 1e-5 of the largest"), "{text}");
+    assert!(text.contains("take f64"), "{text}");
+}
+
 /// Rank does not depend on how slender the beam is.
 #[test]
 fn slender_and_stocky_beams_are_judged_alike() {
