@@ -37,6 +37,33 @@ fn bent<R: Real>([young, radius, load]: [R; 3]) -> Result<(Vec<R>, usize)> {
     ))
 }
 
+/// The tip of a cantilever of `[offset, length, turn]` whose section lies off the axis, in the direction
+/// of an angle, by products in two parts.
+struct Bracket;
+
+impl Experiment<3> for Bracket {
+    fn run<R: Real>(&self, [offset, length, turn]: [R; 3]) -> Result<Vec<R>> {
+        let steel = SaintVenantKirchhoff::isotropic(R::lit(2e7), R::lit(0.3))?;
+        let formulation = CoMoving(Continuum::selective_reduced(steel));
+        let plate = Rectangle::new(R::lit(0.02), R::lit(0.03))?;
+        let section = Offset::new(plate, [offset, R::zero()])?;
+        let mut scene = Scene::<R, 3>::new();
+        let end = [
+            length * Field::cos(turn),
+            length * Field::sin(turn),
+            R::zero(),
+        ];
+        let rod = Beam::new(FullyParameterised, section, formulation);
+        let rod = scene.add(rod.straight([R::zero(); 3], end, 3))?;
+        scene.clamp(rod.start())?;
+        scene.force(rod.end(), [R::zero(), R::lit(0.1), R::lit(-0.2)])?;
+        let system = scene.assemble()?;
+        let mut state = system.rest();
+        Statics::in_steps(2).solve(&system, &mut state)?;
+        Ok(system.position(&state, rod.end())?.to_vec())
+    }
+}
+
 macro_rules! pendulum {
     ($($scheme:ty),*) => {$(
         impl Experiment<2> for Pendulum<$scheme> {
@@ -108,6 +135,21 @@ fn check_together<const P: usize>(
         let own: Vec<_> = packed.iter().map(|x| f64::unpack(*x, lane)).collect();
         assert_eq!(own, experiment.run(row(lane)).unwrap());
     }
+}
+
+/// Rows of which one has a symmetric section couple other products than the rest: they part.
+#[test]
+fn rows_of_other_symmetry_are_those_of_each_row() {
+    let sweep = Sweep::grid([&[0.0, 2e-3, 4e-3, 0.0, 8e-3][..], &[1.0], &[0.0]]).unwrap();
+    let alone = outputs(&sweep.run(&Bracket));
+    assert_eq!(outputs(&sweep.in_lanes().run(&Bracket)), alone);
+}
+
+#[test]
+fn lengths_and_directions_stay_together_in_lanes() {
+    check_together(&Bracket, |lane| {
+        [1e-3, 1.0 + 0.02 * lane as f64, 0.1 + 0.05 * lane as f64]
+    });
 }
 
 #[test]

@@ -6,6 +6,7 @@
 use std::marker::PhantomData;
 
 use super::either::Either;
+use super::products::magnitude;
 use super::relative::Positions;
 use super::{ElementKernel, Formulation, Reference, Tangent};
 use crate::element::{Element, NodalVector};
@@ -145,9 +146,8 @@ where
         let digits = -R::EPSILON.log2().round() as i32;
         // Products on the grid and sums of them up to 4 fit in the digits of the type.
         let unit = R::lit(1.5 * 2.0_f64.powi(digits - (digits - 1) / 2));
-        let length = reference.length.value().log2().round();
         let size = |i: usize| match E::VECTORS[i % E::VECTORS.len()] {
-            NodalVector::Position => R::lit(length.exp2()),
+            NodalVector::Position => magnitude(reference.length),
             NodalVector::Slope(_) => R::one(),
         };
         let mut new = Self {

@@ -6,7 +6,7 @@
 
 use super::basis::Basis;
 use super::law::{first_column, material_frame};
-use super::products::{Products, Vectors};
+use super::products::{Products, Vectors, vanishes};
 use super::sampled::Sample;
 use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
@@ -155,18 +155,21 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     fn groups(&self) -> Vec<Group<R>> {
         let small = R::lit(64.0 * R::EPSILON);
         let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
-        let entry = |p: usize, q: usize| {
+        let raw = |p: usize, q: usize| {
             // One triangle, so that the form is symmetric to the last digit.
             let ((i, j), (k, l)) = (all[p.min(q)], all[p.max(q)]);
             self.0[i][j][k][l]
         };
-        let met = |p: &usize| (0..all.len()).any(|q| !entry(*p, q).is_nothing());
-        let couples = |p: usize, q: usize| {
-            // An entry that vanishes may have a derivative that does not.
-            let (own, other) = (entry(p, p).abs(), entry(q, q).abs());
-            let bound = small * own.sqrt() * other.sqrt();
-            R::ORDER > 0 || !entry(p, q).abs().at_most(bound).all()
+        let entry = |p: usize, q: usize| {
+            // Rounding of what cancels; but an entry that vanishes may have a derivative that does not.
+            let bound = small * raw(p, p).abs().sqrt() * raw(q, q).abs().sqrt();
+            match R::ORDER {
+                0 => R::zero().where_else(raw(p, q).abs().at_most(bound), raw(p, q)),
+                _ => raw(p, q),
+            }
         };
+        let couples = |p: usize, q: usize| !vanishes(entry(p, q));
+        let met = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
         let mut left: Vec<usize> = (0..all.len()).filter(met).collect();
         let mut groups = Vec::new();
         while let Some(first) = left.first().copied() {
@@ -241,7 +244,7 @@ impl<R: Real> Block<R> {
                 };
                 let values = &group.form[p * group.pairs.len()..];
                 let rights = group.pairs.iter().zip(values).filter_map(|(pair, value)| {
-                    let right = other(*pair, column).filter(|_| !value.is_nothing())?;
+                    let right = other(*pair, column).filter(|_| !vanishes(*value))?;
                     Some((right, *value))
                 });
                 for some in rights.collect::<Vec<_>>().chunks(WIDE) {

@@ -31,7 +31,7 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
                 reference[i] = [R::zero(); D];
             }
         }
-        let bare = reference.map(|vector| vector.iter().all(|c| c.is_nothing()));
+        let bare = reference.map(|vector| vector.iter().all(|c| vanishes(*c)));
         Self {
             basis,
             reference,
@@ -150,8 +150,9 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for Direct {
 ///
 /// `h_a . v_b + v0_a . h_b = (c_a . (C_b + c_b) + C_a . c_b) + ((C_a + c_a) . f_b + f_a . v_b + c_a . F_b + F_a . h_b)`,
 ///
-/// with `v0 = C + F`, the first bracket is exact and the second small: the error is that of the same
-/// element in a frame which turns with it, for a quarter of its price, and nothing is turned back.
+/// with `v0 = C + F`, the first bracket is exact up to stretches of three and the second small: the error
+/// is that of the same element in a frame which turns with it, for a quarter of its price, and nothing is
+/// turned back. Double-double, whose sums keep more digits than their grid has, gains nothing by it.
 #[derive(Debug, Clone)]
 pub struct InParts<R, const D: usize, const S: usize> {
     /// Which vectors are leading.
@@ -168,15 +169,16 @@ pub struct InParts<R, const D: usize, const S: usize> {
 impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D, S> {
     fn new(vectors: &Vectors<R, D, S>) -> Self {
         let digits = -R::EPSILON.log2().round() as i32;
-        // Products on the grid, and sums of them up to 4, fit in the digits of the type.
-        let unit = 1.5 * 2.0_f64.powi(digits - (digits - 1) / 2);
-        let grid_of = |size: f64| R::lit(unit * size.log2().round().exp2());
+        // Products on the grid, and sums of them up to 16, fit in the digits of the type.
+        let unit = R::lit(1.5 * 2.0_f64.powi(digits + 1 - (digits - 1) / 2));
         let factor = |step: &Step<R>| {
-            let coarse = on_grid(step.factor, grid_of(step.factor.value().abs()));
+            let coarse = on_grid(step.factor, unit * magnitude(step.factor.abs()));
             [coarse, step.factor - coarse]
         };
-        let sizes = vectors.reference.map(|v| dot(&v, &v).sqrt().value());
-        let grid = sizes.map(|size| grid_of(if size > 0.0 { size } else { 1.0 }));
+        let grid = vectors.reference.map(|v| {
+            let size = dot(&v, &v).frozen().sqrt();
+            unit * magnitude(R::one().where_else(size.at_most(R::zero()), size))
+        });
         let coarse = array(|i| vectors.reference[i].map(|c| on_grid(c, grid[i])));
         Self {
             leads: array(|i| vectors.basis.leads().contains(&i)),
@@ -232,7 +234,7 @@ impl<R: Real, const D: usize, const S: usize> InParts<R, D, S> {
             match step.kind {
                 // Exact where slopes are close, and small where they are not.
                 Kind::Bend => h[to] = difference(&start, &other),
-                // The larger first.
+                // The larger first, but for a start that bending alone moves: what is lost then is small.
                 Kind::Mean => {
                     for c in 0..D {
                         let share = other[c].times(step.factor);
@@ -265,6 +267,20 @@ impl<R: Real, const D: usize, const S: usize> InParts<R, D, S> {
         }
         [h, coarse, fine]
     }
+}
+
+/// Whether a number of the model is zero; in a pack each lane must give the same answer, or it would not
+/// be summed as in a run of its own.
+pub(super) fn vanishes<R: Real>(x: R) -> bool {
+    R::ORDER == 0 && x.abs().at_most(R::zero()).common()
+}
+
+/// A positive number by its first two digits, lane by lane (Veltkamp's splitting).
+pub(super) fn magnitude<R: Real>(x: R) -> R {
+    let x = x.frozen();
+    let digits = -R::EPSILON.log2().round() as i32;
+    let wide = x * R::lit(2.0_f64.powi(digits - 1) + 1.0);
+    wide - (wide - x)
 }
 
 fn on_grid<R: Real>(x: R, grid: R) -> R {
