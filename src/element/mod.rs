@@ -29,7 +29,10 @@ pub enum NodalVector {
 ///
 /// The position field is `r(X) = sum_i s_i(X) e_i` (eq. 3 of Orzechowski 2012) with the nodal
 /// vectors `e_i` node by node, each node carrying [`VECTORS`](Self::VECTORS) in that order. The
-/// nodes are equally spaced from end to end, neighbours share the end nodes.
+/// nodes are equally spaced from end to end, neighbours share the end nodes. Every node carries the same
+/// vectors: positions and slopes, no higher derivatives and nothing inside the element. What of it an
+/// energy can use is the formulation's to say: [`Continuum`](crate::formulation::Continuum) wants
+/// elements that are linear across the section.
 ///
 /// A scene does not compile with an element whose `S` is not [`NODES`](Self::NODES) times the length of
 /// [`VECTORS`](Self::VECTORS):

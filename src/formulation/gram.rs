@@ -49,7 +49,8 @@ struct Block<R> {
 ///
 /// With `sigma = C g`, the force on `v_i` is `sum_j sigma_ij v_j` and its derivative by `v_j`
 /// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. How changes keep their digits is told by `P`, a
-/// [`Products`].
+/// [`Products`]. An entry of `C` below 64 rounding units of its diagonal ones is taken for rounding: in
+/// single precision an eccentricity of less than `8e-6` radii of gyration is none.
 #[derive(Debug, Clone)]
 pub struct GramKernel<R, P, const D: usize, const S: usize> {
     products: P,

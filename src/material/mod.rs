@@ -103,8 +103,8 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         }
     }
 
-    /// The moduli of a law whose elasticity is the same at every strain; none by default. A straight
-    /// beam of such a material is integrated over its section once and for all, and its energy and
+    /// The moduli of a law whose elasticity is the same at every strain; none by default. Elements of
+    /// such a material are integrated once and for all, straight or curved, and its energy and
     /// stress are not asked for again. [`verify::material`](crate::verify::material) checks that
     /// they agree.
     #[inline]
@@ -237,6 +237,16 @@ fn by_strain<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
 /// A law of one's own splits by the linear elasticity it has at rest: the uncoupled part is the law
 /// less `D - D0` of small strains, `psi(E) - (E : (D - D0) : E) / 2`, the coupled part that quadratic
 /// term, so that both add up to the law.
+///
+/// This is a split for small strains. The coupled part is indefinite by nature and no material of its
+/// own; what is left, the uncoupled part, must be one, and is sampled alone off the axis: where the law
+/// leaves its quadratic form, the difference of the two is not bounded below. The nearer Poisson's ratio
+/// is to 1/2, the sooner: for a Yeoh law at 0.32 the split bends a cantilever to a third of a circle, at
+/// 0.48 its tip is 6 % off at a strain of 2 %, at 0.496 statics ends at a strain of 0.65 %. Ask
+/// [`verify::material`](crate::verify::material) of the uncoupled part at the strains meant; its
+/// smallest modulus there must be positive. Nearly incompressible laws at larger strains want a
+/// volumetric energy of their own choosing on the axis ([`Continuum::layered`](crate::formulation::Continuum::layered)):
+/// the isochoric part over the section, the volumetric one at the centroid.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say how it splits into a part without Poisson coupling and the rest",
     note = "implement `PoissonSplit` for it, or state the parts yourself with `Continuum::layered`"

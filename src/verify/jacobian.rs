@@ -88,7 +88,9 @@ impl Curve {
 
     /// The verdict: each scheme's best error must come down to what rounding leaves, `eps` to the
     /// power `order / (order + 1)` times `margin` (1000 for the checks of this module; more for
-    /// functions whose derivative is small against their terms).
+    /// functions whose derivative is small against their terms). Errors are of the whole matrix: on a
+    /// slender element what bends is a small part of it, `(R/L)^2`, and in single precision a wrong bending
+    /// stiffness hides below the limit; check slender parts in `f64`, or stocky ones.
     #[must_use]
     pub fn report(&self, margin: f64) -> Report {
         let mut report = Report::new(format!("Jacobian, machine epsilon {:.1e}", self.epsilon));
