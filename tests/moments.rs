@@ -1,5 +1,5 @@
-//! Claims about sections integrated once and for all: energy, force and tangent from moments are
-//! those of the very rule the moments were taken from, for every section, remedy, dimension and
+//! Claims about elements integrated once and for all: energy, force and tangent by the quadratic form
+//! are those of the very rule the form was taken from, for every section, remedy, dimension and
 //! number type, to rounding. The independent truth is the same material with its constant
 //! elasticity hidden, which is sampled point by point.
 

@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 
 use crate::material::{Material, green_lagrange};
-use crate::scalar::{Algebra, LaneWork, Real};
+use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, between, cross, dot, gauss_pair, sum, times};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
@@ -20,16 +20,6 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     Debug + Send + Sync + 'static
 {
-    /// Runs work on elements with these laws: see
-    /// [`ElementKernel::dispatch`](super::ElementKernel::dispatch).
-    #[inline(always)]
-    fn dispatch<'a, W: LaneWork<R>>(_laws: impl Iterator<Item = &'a Self>, work: W) -> W::Output
-    where
-        Self: Sized,
-    {
-        work.run::<R>()
-    }
-
     /// Energy per unit length (J/m).
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T;
 

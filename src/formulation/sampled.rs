@@ -14,7 +14,7 @@ use super::{ElementKernel, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, LaneWork, Real};
+use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, array, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
@@ -303,11 +303,6 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    #[inline(always)]
-    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        L::dispatch(self.parts.iter().map(|(law, _)| law), work)
-    }
-
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         let mut v = *u;

@@ -157,6 +157,32 @@ impl<R: Real> Factor<R> {
         Ok(())
     }
 
+    /// [`factor`](Self::factor) and [`solve`](Self::solve) in one, which spares a long chain one way of
+    /// its factors through the caches.
+    ///
+    /// # Errors
+    /// Those of both.
+    pub fn factor_and_solve<'a>(
+        &mut self,
+        matrix: impl Into<Entries<'a, R>>,
+        x: &mut [R],
+    ) -> Result<()> {
+        let entries = matrix.into();
+        if let (Kept::Band(matrix), Some(ldlt)) = (&entries.0, &mut self.ldlt)
+            && matrix.is_symmetric()
+        {
+            self.held = Held::Nothing;
+            self.profile.check_same(matrix.profile())?;
+            Error::check_length("right-hand side", x.len(), self.profile.size())?;
+            if ldlt.factor_and_solve(matrix, x)? {
+                self.held = Held::Ldlt;
+                return Ok(());
+            }
+        }
+        self.factor(entries)?;
+        self.solve(x)
+    }
+
     /// Replaces the right-hand side `x` by the solution. Allocates nothing.
     ///
     /// # Errors

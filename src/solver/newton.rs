@@ -178,7 +178,7 @@ impl<R: Real> Workspace<R> {
         equations: &Equations<'_, R>,
         u: &[R],
     ) -> Result<Stability> {
-        match self.renew(structure, equations, u) {
+        match self.renew(structure, equations, u, false) {
             // Every multiplier brings an eigenvalue that says nothing of stability.
             Ok(()) => {
                 let held = held(structure);
@@ -311,17 +311,18 @@ impl<R: Real> Workspace<R> {
                 Refresh::EverySolve | Refresh::Never => false,
                 Refresh::WhenSlow => (!fell_to(SLOW) & open).common(),
             };
-            if (renew && !current) || !self.factored {
-                self.renew(structure, &equations, u)?;
-                solved.tangents += 1;
-            }
-            current = false;
             previous = Some(balance.residual);
             if searching {
                 self.fixed.clear();
                 self.fixed.extend_from_slice(&self.scratch);
             }
-            self.solve_linear(structure.unknowns())?;
+            if (renew && !current) || !self.factored {
+                self.renew(structure, &equations, u, true)?;
+                solved.tangents += 1;
+            } else {
+                self.solve_linear(structure.unknowns())?;
+            }
+            current = false;
             if searching {
                 work = self.work_left(structure);
                 self.fixed.copy_from_slice(&self.scratch);
@@ -364,17 +365,32 @@ impl<R: Real> Workspace<R> {
         structure.add_holding_tangent(time, u, k)
     }
 
+    /// Factorises the tangent at `u` and, where that is wanted, solves with it as
+    /// [`solve_linear`](Self::solve_linear) does.
     fn renew<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
+        solving: bool,
     ) -> Result<()> {
         self.forget();
         self.tangent.clear();
         let mass = equations.inertia.map(|(rate, _)| rate);
         self.add_tangent(structure, equations, u, mass)?;
-        let factored = self.factor.factor(self.tangent.stored());
+        let (factor, matrix) = (&mut self.factor, self.tangent.stored());
+        let factored = match solving {
+            true => {
+                let solve = |x: &mut [R]| factor.factor_and_solve(matrix, x);
+                solve_by(
+                    solve,
+                    structure.unknowns(),
+                    &mut self.unknown,
+                    &mut self.scratch,
+                )
+            }
+            false => factor.factor(matrix),
+        };
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {
             // Without inertia what moves freely is seen by geometry alone.
@@ -389,12 +405,8 @@ impl<R: Real> Workspace<R> {
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
     fn solve_linear(&mut self, unknowns: &Unknowns<R>) -> Result<()> {
-        solve_by(
-            &mut self.factor,
-            unknowns,
-            &mut self.unknown,
-            &mut self.scratch,
-        )
+        let solve = |x: &mut [R]| self.factor.solve(x);
+        solve_by(solve, unknowns, &mut self.unknown, &mut self.scratch)
     }
 
     /// The change of the load factor that goes with the correction in `scratch`, to which what that
@@ -453,7 +465,7 @@ impl<R: Real> Workspace<R> {
 
 /// Replaces the reduced forces in `x` by the changes of all coordinates they bring.
 fn solve_by<R: Real>(
-    factor: &mut Factor<R>,
+    solve: impl FnOnce(&mut [R]) -> Result<()>,
     unknowns: &Unknowns<R>,
     unknown: &mut [R],
     x: &mut [R],
@@ -461,7 +473,7 @@ fn solve_by<R: Real>(
     for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
         *q = x[i];
     }
-    factor.solve(unknown)?;
+    solve(unknown)?;
     for (q, &i) in unknown.iter().zip(unknowns.free()) {
         x[i] = *q;
     }

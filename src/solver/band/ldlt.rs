@@ -115,19 +115,52 @@ impl<R: Real> Ldlt<R> {
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting.
     pub(super) fn factor(&mut self, matrix: &BandMatrix<R>) -> Result<bool> {
-        R::dispatch(Factorisation { ldlt: self, matrix })
+        let x = None;
+        R::dispatch(Factorisation {
+            ldlt: self,
+            matrix,
+            x,
+        })
+    }
+
+    /// The same, and replaces the right-hand side `x` by the solution; elimination takes it along, while
+    /// columns are at hand.
+    pub(super) fn factor_and_solve(&mut self, matrix: &BandMatrix<R>, x: &mut [R]) -> Result<bool> {
+        let mut vector = self.take(x);
+        let stable = R::dispatch(Factorisation {
+            ldlt: self,
+            matrix,
+            x: Some(&mut vector),
+        });
+        if let Ok(true) = stable {
+            let reach = matrix.profile().reach();
+            R::dispatch(Solution::<_, false> {
+                ldlt: self,
+                reach,
+                x: &mut vector,
+            });
+            x.copy_from_slice(&vector[..x.len()]);
+        }
+        self.vector = vector;
+        stable
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
-        let mut vector = std::mem::take(&mut self.vector);
-        vector[..x.len()].copy_from_slice(x);
-        R::dispatch(Solution {
+        let mut vector = self.take(x);
+        R::dispatch(Solution::<_, true> {
             ldlt: self,
             reach: profile.reach(),
             x: &mut vector,
         });
         x.copy_from_slice(&vector[..x.len()]);
         self.vector = vector;
+    }
+
+    /// The vector that is worked on, with the numbers of `x`.
+    fn take(&mut self, x: &[R]) -> Vec<R> {
+        let mut vector = std::mem::take(&mut self.vector);
+        vector[..x.len()].copy_from_slice(x);
+        vector
     }
 
     /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
@@ -358,6 +391,8 @@ impl<R: Real> Ldlt<R> {
 struct Factorisation<'a, R> {
     ldlt: &'a mut Ldlt<R>,
     matrix: &'a BandMatrix<R>,
+    /// A right-hand side to eliminate from on the way.
+    x: Option<&'a mut [R]>,
 }
 
 impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
@@ -366,7 +401,11 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> Result<bool> {
-        let Self { ldlt, matrix } = self;
+        let Self {
+            ldlt,
+            matrix,
+            mut x,
+        } = self;
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
         let reach = matrix.profile().reach();
         ldlt.negative = R::zero();
@@ -398,26 +437,34 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
                 }
                 definite = false;
             }
+            if let Some(x) = &mut x {
+                match count {
+                    PANEL => ldlt.forward::<L, PANEL>(j, last, x),
+                    2 => ldlt.forward::<L, 2>(j, last, x),
+                    _ => ldlt.forward::<L, 1>(j, last, x),
+                }
+            }
             j += count;
         }
         Ok(true)
     }
 }
 
-struct Solution<'a, R> {
+/// Solution by the factors, after elimination from the right-hand side or with it (`FORWARD`).
+struct Solution<'a, R, const FORWARD: bool> {
     ldlt: &'a Ldlt<R>,
     reach: &'a [usize],
     x: &'a mut [R],
 }
 
-impl<R: Real> LaneWork<R> for Solution<'_, R> {
+impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
     type Output = ();
     const HEAVY: bool = true;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
         let Self { ldlt, reach, x } = self;
-        let mut j = 0;
+        let mut j = if FORWARD { 0 } else { reach.len() };
         while j < reach.len() {
             let count = ldlt.counts[j];
             match count {

@@ -172,7 +172,7 @@ impl<R: Real> Workspace<R> {
         }
         match &mut self.projection {
             Some((_, factor)) => solve_by(
-                factor,
+                |x| factor.solve(x),
                 structure.unknowns(),
                 &mut self.unknown,
                 &mut self.scratch,
