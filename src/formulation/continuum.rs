@@ -5,7 +5,7 @@
 
 use super::either::Either;
 use super::gram::{Form, GramKernel};
-use super::law::PointSection;
+use super::point::PointSection;
 use super::products::{Direct, InParts};
 use super::rank::{Stocky, check_rank};
 use super::sampled::{SampledKernel, section_samples};

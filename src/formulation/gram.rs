@@ -5,7 +5,7 @@
 //! the axis alone differ in the numbers of the form only and cost the same.
 
 use super::basis::Basis;
-use super::law::{first_column, material_frame};
+use super::point::{first_column, material_frame};
 use super::products::{Products, Vectors, vanishes};
 use super::sampled::Sample;
 use super::{ElementKernel, Reference, Tangent, mirrored};
