@@ -352,7 +352,9 @@ pub enum Error {
         size: usize,
     },
     /// A check of [`verify`](crate::verify) found what theory forbids.
-    #[error("{subject} fails its checks: {rows}; print the report for what was measured")]
+    #[error(
+        "{subject} fails its checks: {rows}; print the report before asking for its result to see all rows"
+    )]
     CheckFailed {
         /// What was examined.
         subject: String,

@@ -96,6 +96,10 @@ fn geometry_of_a_beam() {
         &["number of elements", "0", "at least one"],
     );
     names(
+        add(beam().straight([0.0; 3], [1.0, 0.0, 0.0], usize::MAX)),
+        &["number of elements", "1.8", "memory"],
+    );
+    names(
         add(beam().up([2.0, 0.0, 0.0])),
         &["up direction", "parallel", "across"],
     );

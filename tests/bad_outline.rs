@@ -55,6 +55,7 @@ fn bad_outlines_are_refused() {
         [0.0, 1.0]
     ])));
     assert!(flat(refused(Outline::new(Loop::circle([1.0, 0.0], 0.0)))));
+    assert!(flat(refused(Outline::new(Loop::circle([0.0, 0.0], -1.0)))));
     let slit = Loop::start([0.0, 0.0])
         .arc_to([1.0, 0.0], 0.5)
         .arc_to([0.0, 0.0], -0.5);

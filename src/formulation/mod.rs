@@ -41,6 +41,7 @@ pub(crate) use law::varied;
 pub use law::{SectionLaw, SectionStiffness};
 pub use point::PointSection;
 pub use products::{Direct, InParts, Products};
+pub(crate) use rank::rigid_modes;
 pub use sampled::{Sample, SampledKernel};
 pub use structural::{BeamStiffness, StructuralKernel, StructuralMechanics, StructuralSection};
 

@@ -41,7 +41,8 @@ where
     let rank_of = |trial: &F| -> Result<usize> {
         let kernel = trial.kernel(element, &reference, section)?;
         let ranks = lanes().map(|lane| rank::<R, E, _, D, S>(&kernel, &reference, lane));
-        Ok(ranks.min().unwrap_or(0))
+        let ranks = ranks.collect::<Result<Vec<_>>>()?;
+        Ok(ranks.into_iter().min().unwrap_or(0))
     };
     let rank = rank_of(formulation)?;
     if rank >= target {
@@ -133,7 +134,7 @@ impl<R: Real> Section<R> for Stocky<'_, R> {
 }
 
 /// Number of independent rigid motions the coordinates can tell apart.
-fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+pub(crate) fn rigid_modes<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
     reference: &Reference<R, D, S>,
     lane: usize,
 ) -> usize {
@@ -186,7 +187,7 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
     kernel: &Kn,
     reference: &Reference<R, D, S>,
     lane: usize,
-) -> usize {
+) -> Result<usize> {
     let unit = |row: usize| unit::<R, E, D, S>(row, reference, lane);
     let mut q = [[R::zero(); D]; S];
     let mut k = [[[[R::zero(); D]; S]; D]; S];
@@ -195,7 +196,16 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
     let matrix = DMatrix::from_fn(S * D, S * D, |i, j| {
         unit(i) * k[i * S * D + j].lane(lane) * unit(j)
     });
+    if let Some(value) = matrix.iter().copied().find(|v| !v.is_finite()) {
+        return Err(Error::NotFinite {
+            what: "a stiffness of an element at rest: check the energy there, and the moduli",
+            value,
+        });
+    }
     let top = matrix.diagonal().amax();
+    if top <= 0.0 {
+        return Ok(0);
+    }
     let scale = matrix.diagonal().map(|d| {
         if d.abs() > ZERO * top {
             1.0 / d.abs().sqrt()
@@ -205,11 +215,8 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
     });
     let scaled = DMatrix::from_fn(S * D, S * D, |i, j| scale[i] * matrix[(i, j)] * scale[j]);
     let zero = zero_below::<R>();
-    if !scaled.iter().all(|v| v.is_finite()) {
-        return 0;
-    }
     let eigen = SymmetricEigen::try_new(scaled, f64::EPSILON, 10_000);
-    eigen.map_or(0, |e| {
+    Ok(eigen.map_or(0, |e| {
         e.eigenvalues.iter().filter(|v| v.abs() > zero).count()
-    })
+    }))
 }

@@ -42,6 +42,9 @@ pub struct Beam<R, E, F, X, const D: usize> {
     density: Option<R>,
 }
 
+/// More elements than any memory holds are a mistake, not a beam.
+const MOST_ELEMENTS: usize = 100_000_000;
+
 impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
     /// A beam of this element family, section and formulation; give it a line next.
     pub fn new(element: E, section: X, formulation: F) -> Self {
@@ -128,6 +131,14 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                 value: 0,
                 least: 1,
                 remedy: "divide the beam into at least one element",
+            });
+        }
+        if elements > MOST_ELEMENTS {
+            return Err(Error::OutOfRange {
+                what: "number of elements of a beam",
+                value: elements as f64,
+                range: "[1, 1e8]",
+                remedy: "take no more elements than memory holds, of which each asks for a kilobyte and more",
             });
         }
         crate::element::check(&self.element)?;

@@ -2,20 +2,25 @@
 //! the zero-energy modes that coarse rules leave. States are compared in units of energy, positions
 //! over the length of the element, so that one limit serves slender and stocky beams.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::{ByEnergy, ByForce, Limit, Report};
 use crate::element::{Element, NodalVector, most};
-use crate::error::{Error, Result};
-use crate::formulation::{Continuum, ElementKernel, Formulation, Reference};
+use crate::error::{Error, Result, positive};
+use crate::formulation::{
+    Continuum, ElementKernel, Formulation, Reference, Tangent, mirror, rigid_modes,
+};
 use crate::section::Section;
+use crate::tensor::array;
 
 /// Rounding allowed in a force or tangent.
 pub(super) const EXACT: f64 = 1e-11;
-/// Rounding allowed in an energy of a state without strain: the square of that in the strain.
-const NOTHING: f64 = 1e-24;
+/// Rounding allowed in an energy of a state without strain: energies formed from invariants near 3, as
+/// in the book, round at the unit of the modulus. The force tells what is more than rounding.
+const NOTHING: f64 = 1e-14;
 /// Checks a formulation on an element of `length` (m) with a section: force and tangent against
-/// the energy by dual numbers, symmetry, no energy in large rigid motions, a force that turns with
+/// the energy by dual numbers, positive stiffness at rest, symmetry, what a kernel gives of its own in
+/// place of them, no energy in large rigid motions, a force that turns with
 /// the state, patch tests of a chain of three elements (constant stretch free to contract, shear
 /// and, where the axis is the line of centroids, twist and bending), and the mass matrix against
 /// the rigid body's inertia.
@@ -34,6 +39,7 @@ where
     X: Section<f64>,
 {
     crate::element::check_layout::<E, D, S>()?;
+    let length = positive("length of the element [m]", length)?;
     let reference = Reference::straight(element, length, tilted());
     formulation.check(element, section)?;
     let kernel = || formulation.kernel(element, &reference, section);
@@ -196,7 +202,62 @@ where
         })
     }
 
+    /// The smallest eigenvalue of the tangent at rest, in units of energy, but for as many around zero as
+    /// there are rigid motions.
+    fn softest(&self) -> f64 {
+        let (_, k) = self.tangent(self.kernel(), &[[0.0; D]; S]);
+        let size = k.nrows();
+        if nan(0.0, &k).is_nan() {
+            return f64::NAN;
+        }
+        let Some(eigen) = SymmetricEigen::try_new(k, f64::EPSILON, 10_000) else {
+            return f64::NAN;
+        };
+        let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
+        values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let rigid = rigid_modes::<f64, E, D, S>(&self.reference, 0).min(size);
+        values[rigid..]
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// What assembly and energy-momentum methods ask for, which a kernel may give by itself.
+    fn overridden(&self, report: &mut Report, at: &str, u: &Nodal<D, S>) {
+        let kernel = self.kernel();
+        let flat = |k: &Tangent<f64, D, S>| {
+            let k = k.as_flattened().as_flattened().as_flattened();
+            DMatrix::from_row_slice(S * D, S * D, k)
+        };
+        let zero: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
+        let (mut whole, mut upper, mut q) = (zero, zero, [[0.0; D]; S]);
+        kernel.tangent(u, &mut q, &mut whole);
+        kernel.upper_tangent(u, &mut q, &mut upper);
+        mirror(&mut upper);
+        let (whole, upper) = (flat(&whole), flat(&upper));
+        let error = nan((&whole - &upper).amax() / whole.amax(), &upper);
+        report.push("upper half of the tangent", at, error, Limit::AtMost(EXACT));
+        let from: Nodal<D, S> = array(|i| array(|c| -0.5 * u[S - 1 - i][D - 1 - c]));
+        let (mut own, mut derived) = (zero, zero);
+        kernel.secant_tangent(0.0, &from, u, &mut own);
+        self.kernel.secant_tangent(0.0, &from, u, &mut derived);
+        let (own, derived) = (flat(&own), flat(&derived));
+        let error = nan((&own - &derived).amax() / derived.amax(), &own);
+        report.push_derivative(
+            "tangent of the secant against its gradient",
+            at,
+            error,
+            EXACT,
+        );
+    }
+
     fn derivatives(&self, report: &mut Report) {
+        report.push(
+            "smallest stiffness beyond rigid motions",
+            "",
+            self.softest(),
+            Limit::Above(0.0),
+        );
         let force = self.scaled(&self.force(&[[0.0; D]; S]));
         report.push(
             "force of the reference state",
@@ -241,6 +302,7 @@ where
                 nan(skew, &k),
                 Limit::AtMost(EXACT),
             );
+            self.overridden(report, &at, &u);
         }
     }
 

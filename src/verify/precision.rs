@@ -5,6 +5,7 @@
 use std::fmt;
 
 use super::{Limit, Report};
+use crate::element::most;
 use crate::error::{Error, Result, positive};
 use crate::scalar::Real;
 
@@ -71,7 +72,7 @@ impl Precision {
     /// `epsilon`, not below zero.
     #[must_use]
     pub fn digits_lost(&self, row: &PrecisionRow) -> f64 {
-        (row.error / self.epsilon).log10().max(0.0)
+        most((row.error / self.epsilon).log10(), 0.0)
     }
 
     /// The verdict: every row may lose at most this number of digits. The shares inform.

@@ -92,4 +92,17 @@ where
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         self.0.force(u, q);
     }
+    fn has_strain(&self) -> bool {
+        self.0.has_strain()
+    }
+    #[inline]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        from: &[[T; D]; S],
+        to: &[[T; D]; S],
+        q: &mut [[T; D]; S],
+    ) {
+        self.0.secant(viscosity, from, to, q);
+    }
 }

@@ -29,12 +29,14 @@ const FINER: usize = 6;
 pub fn section<R: Real, X: Section<R> + ?Sized>(section: &X, degree: usize) -> Result<Report> {
     let mut report = Report::new(format!("{section:?}"));
     let outline = Outline::of(section, degree.max(2))?;
+    let mut rules = 0;
     for degree in 1..=degree {
         let case = format!("degree {degree}");
         let Ok(rule) = section.rule(degree) else {
             report.push("section without a rule", case, 1.0, Limit::None);
             continue;
         };
+        rules += 1;
         let area = rule.integrate(|_| R::one()).value();
         let lightest = rule
             .weights()
@@ -116,15 +118,32 @@ pub fn section<R: Real, X: Section<R> + ?Sized>(section: &X, degree: usize) -> R
             Err(_) => report.push("section without a planar rule", &case, 1.0, Limit::None),
         }
     }
-    let Some(outline) = outline else {
-        return Ok(report);
+    report.push("degrees with a rule", "", rules as f64, Limit::AtLeast(1.0));
+    // Without an outline by the section's own rule, where it has one of the second degree.
+    let rule = section.rule(2);
+    let (size, limit, against) = match (&outline, &rule) {
+        (Some(outline), _) => (
+            outline.size,
+            Limit::AtMost(outline.limit::<R>()),
+            "properties against the outline",
+        ),
+        (None, Ok(rule)) => (
+            extent(rule),
+            Limit::AtMost(1e3 * R::EPSILON),
+            "properties against the rule",
+        ),
+        (None, Err(_)) => return Ok(report),
+    };
+    let of = |a, b| match (&outline, &rule) {
+        (Some(outline), _) => outline.moment(a, b),
+        (None, Ok(rule)) => moment(rule, a, b),
+        (None, Err(_)) => f64::NAN,
     };
     let p = section.properties()?;
-    let [y, z] = [(1, 0), (0, 1)].map(|(a, b)| outline.moment(a, b) / outline.area);
-    let about = |a, b, m: f64| outline.moment(a, b) - outline.area * m;
-    let limit = Limit::AtMost(outline.limit::<R>());
-    let [h, w] = outline.size;
-    let area = outline.area;
+    let area = of(0, 0);
+    let [y, z] = [(1, 0), (0, 1)].map(|(a, b)| of(a, b) / area);
+    let about = |a, b, m: f64| of(a, b) - area * m;
+    let [h, w] = size;
     for (case, given, truth, scale) in [
         ("area", p.area, area, area),
         ("centroid y", p.centroid[0], y, h),
@@ -134,7 +153,7 @@ pub fn section<R: Real, X: Section<R> + ?Sized>(section: &X, degree: usize) -> R
         ("iyz", p.iyz, about(1, 1, y * z), area * h * w),
     ] {
         let error = (given.value() - truth).abs() / scale;
-        report.push("properties against the outline", case, error, limit);
+        report.push(against, case, error, limit);
     }
     Ok(report)
 }
@@ -239,7 +258,8 @@ impl Outline {
     }
 
     fn limit<R: Real>(&self) -> f64 {
-        1e3 * R::EPSILON + 10.0 * self.uncertainty
+        // An outline that does not converge is no measure of anything.
+        1e3 * R::EPSILON + (10.0 * self.uncertainty).min(1e-6)
     }
 
     /// Whether the loops wind around a point.

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use super::{Limit, Report};
-use crate::element::{Element, NodalVector};
+use crate::element::{Element, NodalVector, most};
 use crate::error::{Error, Result, positive};
 use crate::formulation::{ElementKernel, Formulation, Reference, Tangent};
 use crate::quadrature::gauss_legendre;
@@ -147,9 +147,9 @@ impl SlenderRow {
     #[must_use]
     pub fn worst(&self) -> &'static str {
         let shares = self.shares().into_iter();
-        shares
-            .fold(("storage", -1.0), |a, b| if b.1 > a.1 { b } else { a })
-            .0
+        // What is not a number is worse than any.
+        let worst = shares.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        worst.map_or("storage", |(name, _)| name)
     }
 }
 
@@ -166,7 +166,7 @@ impl SlenderStudy {
     /// Decimal digits of the working type that the force of a row has lost, not below zero.
     #[must_use]
     pub fn digits_lost(&self, row: &SlenderRow) -> f64 {
-        (row.error / self.epsilon).log10().max(0.0)
+        most((row.error / self.epsilon).log10(), 0.0)
     }
 
     /// A number of every row over the slenderness: what a figure draws.
@@ -207,7 +207,7 @@ impl SlenderStudy {
 
 impl fmt::Display for SlenderStudy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "    R/L elements turned  away    error digits  ")?;
+        write!(f, "    R/L elements turned  away    error   lost  ")?;
         write!(f, "storage     rule   strain assembly factorisation")?;
         for row in &self.rows {
             let (p, lost) = (row.pose, self.digits_lost(row));

@@ -74,11 +74,12 @@ where
     let lowest = positive("lowest frequency of the beam [rad/s]", truth[0].0)?;
     let modes = Modes::lowest((truth.len() + 1).min(system.unknowns().count()));
     let modes = modes.vibration(&system, &system.rest(), 1.0)?;
-    let found: Vec<f64> = modes
-        .into_iter()
-        .filter(|mode| mode.value > 1e-4 * lowest * lowest)
-        .map(|mode| mode.frequency())
-        .collect();
+    let mut modes: Vec<_> = modes.into_iter().collect();
+    let spins = |value: f64| D == 3 && value.abs() <= 1e-4 * lowest * lowest;
+    if let Some(spinning) = modes.iter().position(|mode| spins(mode.value)) {
+        modes.remove(spinning);
+    }
+    let found: Vec<f64> = modes.iter().map(|mode| mode.frequency()).collect();
     let mut report = Report::new(format!("{element:?} in {D} dimensions on {section:?}"));
     for (k, (timoshenko, euler, case)) in truth.into_iter().enumerate() {
         let measured = found.get(k).copied().unwrap_or(f64::NAN);

@@ -249,6 +249,12 @@ enum Careless {
     Frame,
     /// A force at rest.
     Prestress,
+    /// Another upper half of the tangent than the tangent's.
+    Upper,
+    /// A tangent that is not that of the secant force.
+    Secant,
+    /// A section that turns against its neighbour for less than nothing.
+    Soft,
 }
 
 #[derive(Debug)]
@@ -277,6 +283,7 @@ impl ElementKernel<f64, 2, 6> for CarelessKernel {
         match self.0 {
             Careless::Frame => energy + (u[1][0] * u[1][0]).times(1e2),
             Careless::Prestress => energy + u[1][0].times(1e2),
+            Careless::Soft => -energy,
             _ => energy,
         }
     }
@@ -287,7 +294,50 @@ impl ElementKernel<f64, 2, 6> for CarelessKernel {
             Careless::Force => q[3][1] += u[3][1].times(1e2),
             Careless::Frame => q[1][0] += u[1][0].times(2e2),
             Careless::Prestress => q[1][0] += T::lit(1e2),
+            Careless::Soft => {
+                let mut twice = [[T::zero(); 2]; 6];
+                self.1.force(u, &mut twice);
+                for (q, twice) in q.as_flattened_mut().iter_mut().zip(twice.as_flattened()) {
+                    *q -= *twice + *twice;
+                }
+            }
             _ => {}
+        }
+    }
+
+    fn upper_tangent<T: Algebra<f64>>(
+        &self,
+        u: &[[T; 2]; 6],
+        q: &mut [[T; 2]; 6],
+        k: &mut Tangent<T, 2, 6>,
+    ) {
+        *k = [[[[T::zero(); 2]; 6]; 2]; 6];
+        self.tangent(u, q, k);
+        if self.0 == Careless::Upper {
+            k[0][0][1][1] += T::lit(1.0);
+        }
+    }
+
+    fn secant<T: Algebra<f64>>(
+        &self,
+        viscosity: f64,
+        from: &[[T; 2]; 6],
+        to: &[[T; 2]; 6],
+        q: &mut [[T; 2]; 6],
+    ) {
+        self.1.secant(viscosity, from, to, q);
+    }
+
+    fn secant_tangent<T: Algebra<f64>>(
+        &self,
+        viscosity: f64,
+        from: &[[T; 2]; 6],
+        to: &[[T; 2]; 6],
+        k: &mut Tangent<T, 2, 6>,
+    ) {
+        self.1.secant_tangent(viscosity, from, to, k);
+        if self.0 == Careless::Secant {
+            k[0][0][1][1] += T::lit(1.0);
         }
     }
 
@@ -305,6 +355,12 @@ impl ElementKernel<f64, 2, 6> for CarelessKernel {
             Careless::Tangent => k[0][0][1][1] += T::lit(1.0),
             Careless::Pair => q[0][0] += T::lit(1.0),
             Careless::Frame => k[1][0][1][0] += T::lit(2e2),
+            Careless::Soft => k
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .iter_mut()
+                .for_each(|k| *k = -*k),
             _ => {}
         }
     }
@@ -342,6 +398,7 @@ fn wrong_forces_and_tangents_are_caught() {
         &[
             "tangent against the gradient of the force",
             "symmetry of the tangent",
+            "upper half of the tangent",
             "patch test",
         ],
     );
@@ -358,6 +415,12 @@ fn wrong_forces_and_tangents_are_caught() {
     );
     let prestress = report(Careless::Prestress);
     assert!(failures(&prestress).contains("force of the reference state"));
+    let upper = report(Careless::Upper);
+    assert_fails(&upper, &["upper half of the tangent"]);
+    let secant = report(Careless::Secant);
+    assert_fails(&secant, &["tangent of the secant against its gradient"]);
+    let soft = report(Careless::Soft);
+    assert!(failures(&soft).contains("smallest stiffness beyond rigid motions"));
     // A mass of an element whose functions are no numbers is none.
     let springs = verify::formulation::<_, _, _, 2, 6>(&Undefined, &Springs, &disk(), 0.3).unwrap();
     assert!(failures(&springs).contains("smallest eigenvalue of the scaled mass"));
@@ -365,7 +428,9 @@ fn wrong_forces_and_tangents_are_caught() {
     let parted = verify::formulation::<_, _, _, 2, 6>(&Wrong::Cross, &solid, &disk(), 0.3).unwrap();
     assert_each_check_catches(
         &report(Careless::Not),
-        &[force, tangent, pair, frame, prestress, springs, parted],
+        &[
+            force, tangent, pair, frame, prestress, upper, secant, soft, springs, parted,
+        ],
     );
 }
 

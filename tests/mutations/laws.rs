@@ -3,6 +3,7 @@
 use ancf::material::{Blocks, Tensor};
 use ancf::prelude::*;
 use ancf::quadrature::Cubature;
+use ancf::section::Properties;
 use ancf::verify::{self, ByEnergy};
 
 use crate::{assert_each_check_catches, assert_fails, disk, failures, rubber};
@@ -88,7 +89,82 @@ fn wrong_sections_are_caught() {
         Flaw::Plane,
         Flaw::Claim,
     ];
-    assert_each_check_catches(&report(Flaw::None), &wrong.map(report));
+    let mut wrong: Vec<_> = wrong.map(report).into();
+    wrong.push(verify::section(&Unruled, 5).unwrap());
+    assert_each_check_catches(&report(Flaw::None), &wrong);
+    let failed = failures(&verify::section(&Alone, 5).unwrap());
+    assert!(failed.contains("properties against the rule"), "{failed:?}");
+}
+
+/// A section that says nothing but its properties.
+#[derive(Debug)]
+struct Unruled;
+
+impl Section<f64> for Unruled {
+    fn rule(&self, degree: usize) -> Result<Cubature<f64, 2>> {
+        Err(Error::NoRule {
+            degree,
+            cause: "it has none",
+            remedy: "give it one",
+        })
+    }
+    fn outline(&self, _n: usize) -> Vec<Vec<[f64; 2]>> {
+        Vec::new()
+    }
+}
+
+/// A disk without an outline, whose properties are not those of its rule.
+#[derive(Debug)]
+struct Alone;
+
+impl Section<f64> for Alone {
+    fn rule(&self, degree: usize) -> Result<Cubature<f64, 2>> {
+        Disk::new(0.04)?.rule(degree)
+    }
+    fn outline(&self, _n: usize) -> Vec<Vec<[f64; 2]>> {
+        Vec::new()
+    }
+    fn properties(&self) -> Result<Properties<f64>> {
+        let mut properties = Disk::new(0.04)?.properties()?;
+        properties.iyy = -properties.iyy;
+        Ok(properties)
+    }
+}
+
+/// Mooney and Rivlin's law as in the book, in the invariants of `C = 1 + 2 E`.
+#[derive(Debug, Clone, Copy)]
+struct MooneyRivlin(f64, f64);
+
+impl Material<f64, 3> for MooneyRivlin {
+    fn energy<T: Algebra<f64>>(&self, e: &Tensor<T, 3>) -> T {
+        let c = |a: usize, b: usize| e[a][b] + e[a][b] + T::lit(f64::from(u8::from(a == b)));
+        let minor = |a, b| c(a, a) * c(b, b) - c(a, b) * c(a, b);
+        let mixed = c(0, 1) * (c(1, 2) * c(0, 2) - c(0, 1) * c(2, 2))
+            + c(0, 2) * (c(0, 1) * c(1, 2) - c(0, 2) * c(1, 1));
+        let log = (c(0, 0) * minor(1, 2) + mixed).ln();
+        (c(0, 0) + c(1, 1) + c(2, 2) - log - T::lit(3.0)).times(self.0)
+            + (minor(0, 1) + minor(1, 2) + minor(2, 0) - log - log - T::lit(3.0)).times(self.1)
+    }
+}
+
+/// Its energy is a difference of numbers near 3; that is rounding and no mistake.
+#[test]
+fn laws_of_the_book_pass() {
+    let law = MooneyRivlin(2e5, 3e5);
+    verify::material::<f64, _, 3>(&law).into_result().unwrap();
+    verify::isotropy::<f64, _, 3>(&law).into_result().unwrap();
+    let solid = Continuum::full(law);
+    let report = verify::formulation::<_, _, _, 3, 8>(&FullyParameterised, &solid, &disk(), 0.3);
+    report.unwrap().into_result().unwrap();
+}
+
+/// A law that is no number is not told to sample more points.
+#[test]
+fn laws_that_are_no_numbers_are_called_that() {
+    let law = MooneyRivlin(f64::NAN, 3e5);
+    let beam = Beam::new(FullyParameterised, disk(), Continuum::full(law));
+    let added = Scene::<f64, 3>::new().add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 4));
+    assert!(matches!(added, Err(Error::NotFinite { .. })), "{added:?}");
 }
 
 // Wrong materials.

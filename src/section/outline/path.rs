@@ -25,6 +25,8 @@ pub struct Loop<R> {
     points: Vec<[R; 2]>,
     /// Bulge of the edge that leaves each point.
     bulges: Vec<R>,
+    /// Radius of a circle, which its points do not tell the sign of.
+    radius: Option<R>,
 }
 
 impl<R: Real> Loop<R> {
@@ -33,6 +35,7 @@ impl<R: Real> Loop<R> {
         Self {
             points: vec![point],
             bulges: vec![R::zero()],
+            radius: None,
         }
     }
 
@@ -57,15 +60,23 @@ impl<R: Real> Loop<R> {
     pub fn polygon(points: impl IntoIterator<Item = [R; 2]>) -> Self {
         let points: Vec<_> = points.into_iter().collect();
         let bulges = vec![R::zero(); points.len()];
-        Self { points, bulges }
+        Self {
+            points,
+            bulges,
+            radius: None,
+        }
     }
 
     /// The circle of this centre and radius (m).
     pub fn circle(centre: [R; 2], radius: R) -> Self {
         let at = |y: R| [centre[0] + y, centre[1]];
-        Self::start(at(radius))
+        let circle = Self::start(at(radius))
             .arc_to(at(-radius), R::one())
-            .arc_to(at(radius), R::one())
+            .arc_to(at(radius), R::one());
+        Self {
+            radius: Some(radius),
+            ..circle
+        }
     }
 
     /// The edges, arcs divided to quarter circles at most, counter-clockwise or not.
@@ -75,6 +86,9 @@ impl<R: Real> Loop<R> {
         }
         for &bulge in &self.bulges {
             finite("bulge of an arc of the outline", bulge)?;
+        }
+        if let Some(radius) = self.radius {
+            positive("radius of a circle of the outline [m]", radius)?;
         }
         if self.points.len() > 1 && self.points.first() == self.points.last() {
             self.points.pop();
