@@ -259,7 +259,7 @@ impl Outline {
 
     fn limit<R: Real>(&self) -> f64 {
         // An outline that does not converge is no measure of anything.
-        1e3 * R::EPSILON + (10.0 * self.uncertainty).min(1e-6)
+        1e3 * R::EPSILON + (10.0 * self.uncertainty).min(1e-5)
     }
 
     /// Whether the loops wind around a point.
