@@ -68,6 +68,17 @@ pub(crate) fn check<E: Element<D, S>, const D: usize, const S: usize>(element: &
             "an element whose position functions miss a sum of one by {unity:.1e}"
         ));
     }
+    let (axial, across) = kit.beyond();
+    for (error, which, degree) in [
+        (axial, "AXIAL_DEGREE", E::AXIAL_DEGREE),
+        (across, "SECTION_DEGREE", E::SECTION_DEGREE),
+    ] {
+        if !sound(error) {
+            return wrong(format!(
+                "an element whose shape functions are of a higher degree than its {which} of {degree}"
+            ));
+        }
+    }
     for (a, vector) in E::VECTORS.iter().enumerate() {
         let error = kit.nodal(a);
         if !sound(error) {
@@ -152,6 +163,20 @@ impl<E> Kit<'_, E> {
         worst
     }
 
+    /// Divided differences of one order above the declared degrees, along and across, over the
+    /// largest value of each function.
+    pub(crate) fn beyond<const D: usize, const S: usize>(&self) -> (f64, f64)
+    where
+        E: Element<D, S>,
+    {
+        let along = |t: f64| self.shape(Self::point::<D>(t, ACROSS[1]));
+        let across = |t: f64| self.shape(Self::point::<D>(0.3, [0.2 * t - 0.1, 0.13 * t]));
+        (
+            left_over(E::AXIAL_DEGREE, along),
+            left_over(E::SECTION_DEGREE, across),
+        )
+    }
+
     /// Derivatives of the shape functions by `X_axis` (1/m).
     pub(crate) fn gradient<const D: usize, const S: usize>(
         &self,
@@ -166,6 +191,39 @@ impl<E> Kit<'_, E> {
         let s = self.element.shape(DualSVec::lit(self.length), x);
         s.map(|s| s.eps.0.map_or(0.0, |d| d[0] / self.length))
     }
+}
+
+/// What the polynomial through `degree + 1` points of [0, 1] misses at others.
+fn left_over<const S: usize>(degree: usize, f: impl Fn(f64) -> [f64; S]) -> f64 {
+    // Chebyshev nodes keep the interpolation well conditioned.
+    let count = degree + 1;
+    let node =
+        |k: usize| 0.5 - 0.5 * (std::f64::consts::PI * (k as f64 + 0.5) / count as f64).cos();
+    let values: Vec<[f64; S]> = (0..count).map(|k| f(node(k))).collect();
+    let mut worst = 0.0;
+    for t in [0.03, 0.33, 0.58, 0.97] {
+        let basis = |k: usize| -> f64 {
+            let others = (0..count).filter(|&j| j != k);
+            others
+                .map(|j| (t - node(j)) / (node(k) - node(j)))
+                .product()
+        };
+        let truth = f(t);
+        for i in 0..S {
+            let interpolated: f64 = (0..count).map(|k| basis(k) * values[k][i]).sum();
+            let size = values
+                .iter()
+                .fold(f64::MIN_POSITIVE, |m, v| m.max(v[i].abs()));
+            // Functions that vanish on the line sampled carry rounding only.
+            if size > 1e-12 || truth[i].abs() > 1e-12 {
+                worst = most(
+                    worst,
+                    (interpolated - truth[i]).abs() / size.max(truth[i].abs()),
+                );
+            }
+        }
+    }
+    worst
 }
 
 /// The larger of two, NaN if either is: a failed evaluation must not hide behind a good one.

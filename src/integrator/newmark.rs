@@ -116,6 +116,17 @@ impl<R: Real> Scheme<R> for Newmark {
         state: &mut State<R>,
     ) -> Result<NewmarkMethod<R>> {
         self.newton.check()?;
+        // The family of Chung and Hulbert is known by its radius.
+        let radius = self.alpha_f / (1.0 - self.alpha_f);
+        let of_radius = Self::generalised_alpha(radius).alpha_m;
+        if (self.alpha_m - of_radius).abs() < 1e-12 && !(0.0..=1.0).contains(&radius) {
+            return Err(Error::OutOfRange {
+                what: "spectral radius of the generalised-alpha method",
+                value: radius,
+                range: "[0, 1]",
+                remedy: "take 1 for no dissipation, less to damp what steps do not resolve",
+            });
+        }
         for (what, value, least, most) in [
             ("Newmark's beta", self.beta, f64::MIN_POSITIVE, 1.0),
             ("Newmark's gamma", self.gamma, 0.5, 1.5),

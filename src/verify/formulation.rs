@@ -223,7 +223,7 @@ where
     }
 
     /// What assembly and energy-momentum methods ask for, which a kernel may give by itself.
-    fn overridden(&self, report: &mut Report, at: &str, u: &Nodal<D, S>) {
+    fn overridden(&self, report: &mut Report, at: &str, u: &Nodal<D, S>, small: bool) {
         let kernel = self.kernel();
         let flat = |k: &Tangent<f64, D, S>| {
             let k = k.as_flattened().as_flattened().as_flattened();
@@ -238,6 +238,22 @@ where
         let error = nan((&whole - &upper).amax() / whole.amax(), &upper);
         report.push("upper half of the tangent", at, error, Limit::AtMost(EXACT));
         let from: Nodal<D, S> = array(|i| array(|c| -0.5 * u[S - 1 - i][D - 1 - c]));
+        let mut secant = [[0.0; D]; S];
+        kernel.secant(0.0, &from, u, &mut secant);
+        let mut work = 0.0;
+        for i in 0..S {
+            for c in 0..D {
+                work += (u[i][c] - from[i][c]) * secant[i][c];
+            }
+        }
+        let energies = [kernel.energy(&from), kernel.energy(u)];
+        let error =
+            (work - (energies[1] - energies[0])) / most(energies[0].abs(), energies[1].abs());
+        // By default a rule for energies of the fourth degree, which others are where they are small.
+        let limit = Limit::AtMost(1e-5);
+        if small {
+            report.push("work of the secant force", at, error.abs(), limit);
+        }
         let (mut own, mut derived) = (zero, zero);
         kernel.secant_tangent(0.0, &from, u, &mut own);
         self.kernel.secant_tangent(0.0, &from, u, &mut derived);
@@ -302,7 +318,7 @@ where
                 nan(skew, &k),
                 Limit::AtMost(EXACT),
             );
-            self.overridden(report, &at, &u);
+            self.overridden(report, &at, &u, size < 1e-2);
         }
     }
 

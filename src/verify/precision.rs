@@ -95,7 +95,7 @@ impl Precision {
 
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:>10}  {:>10}  {:>6}", "parameter", "error", "digits")?;
+        write!(f, "{:>10}  {:>10}  {:>6}", "parameter", "error", "lost")?;
         for share in self.rows.first().iter().flat_map(|row| &row.shares) {
             write!(f, "  {:>21}", share.stage)?;
         }

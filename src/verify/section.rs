@@ -21,7 +21,7 @@ const FINER: usize = 6;
 /// outline, against a finer rule and of the projection, and the section's properties. Errors of
 /// moments are relative to area times the extents of the section.
 ///
-/// A section without an outline is compared with its finer rule only.
+/// A section without an outline is compared with its finer rule, and its properties with its rule.
 ///
 /// # Errors
 /// Those of the section's rules and properties; a degree the section has no rule for is a row

@@ -146,9 +146,9 @@ impl SlenderRow {
     /// Where most of the error of the force arises.
     #[must_use]
     pub fn worst(&self) -> &'static str {
-        let shares = self.shares().into_iter();
-        // What is not a number is worse than any.
-        let worst = shares.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        // What is not a number is worse than any; of equals the first.
+        let worst = self.shares().into_iter().rev();
+        let worst = worst.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         worst.map_or("storage", |(name, _)| name)
     }
 }

@@ -44,6 +44,20 @@ impl Element<2, 6> for Wrong {
     }
 }
 
+/// The planar built-in element with a degree too low for its mass.
+#[derive(Debug, Clone, Copy)]
+struct Low;
+
+impl Element<2, 6> for Low {
+    const NODES: usize = 2;
+    const VECTORS: &'static [NodalVector] = Wrong::VECTORS;
+    const AXIAL_DEGREE: usize = 2;
+
+    fn shape<T: Scalar>(&self, l: T, xi: [T; 2]) -> [T; 6] {
+        Element::<2, 6>::shape(&FullyParameterised, l, xi)
+    }
+}
+
 /// The quadratic element with one line wrong.
 #[derive(Debug, Clone, Copy)]
 enum WrongQuadratic {
@@ -197,6 +211,7 @@ fn beams_of_wrong_elements_are_refused() {
         (refusal(Wrong::Slope), "another Slope(0)"),
         (refusal(Wrong::Bubble), "a sum of one"),
         (refusal(WrongQuadratic::Twice), "another Slope(1)"),
+        (refusal(Low), "higher degree than its AXIAL_DEGREE of 2"),
     ] {
         assert!(message.contains(says), "{message}");
     }
