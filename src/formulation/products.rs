@@ -150,7 +150,7 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for Direct {
 ///
 /// `h_a . v_b + v0_a . h_b = (c_a . (C_b + c_b) + C_a . c_b) + ((C_a + c_a) . f_b + f_a . v_b + c_a . F_b + F_a . h_b)`,
 ///
-/// with `v0 = C + F`, the first bracket is exact up to stretches of three and the second small: the error
+/// with `v0 = C + F`, the first bracket is exact up to stretches of one and a half and the second small: the error
 /// is that of the same element in a frame which turns with it, for a quarter of its price, and nothing is
 /// turned back. Double-double, whose sums keep more digits than their grid has, gains nothing by it.
 #[derive(Debug, Clone)]
@@ -169,8 +169,8 @@ pub struct InParts<R, const D: usize, const S: usize> {
 impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D, S> {
     fn new(vectors: &Vectors<R, D, S>) -> Self {
         let digits = -R::EPSILON.log2().round() as i32;
-        // Products on the grid, and sums of them up to 16, fit in the digits of the type.
-        let unit = R::lit(1.5 * 2.0_f64.powi(digits + 1 - (digits - 1) / 2));
+        // Products on the grid, and sums of them up to 4, fit in the digits of the type.
+        let unit = R::lit(1.5 * 2.0_f64.powi(digits - (digits - 1) / 2));
         let factor = |step: &Step<R>| {
             let coarse = on_grid(step.factor, unit * magnitude(step.factor.abs()));
             [coarse, step.factor - coarse]

@@ -124,7 +124,7 @@ impl<R: Real> Scheme<R> for Newmark {
                 what: "spectral radius of the generalised-alpha method",
                 value: radius,
                 range: "[0, 1]",
-                remedy: "take 1 for no dissipation, less to damp what steps do not resolve",
+                remedy: "use Newmark::generalised_alpha with 0 to 1, with 1 for no dissipation",
             });
         }
         for (what, value, least, most) in [
