@@ -84,25 +84,36 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     columns
 }
 
-impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for PointSection<R, M, D>
+/// The law on references whose shape is known when this is compiled.
+impl<R, M, const D: usize> PointSection<R, M, D>
 where
     R: Real,
     M: Material<R, D>,
 {
-    #[inline]
-    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
+    #[inline(always)]
+    fn energy_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+    ) -> T {
         let mut energy = T::zero();
-        for point in self.by_frame(reference) {
+        for point in &self.points {
+            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
             let strain = green_lagrange(&point.initial, &point.columns(h));
             energy += self.material.energy(&strain).times(point.weight);
         }
         energy
     }
 
-    #[inline]
-    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+    #[inline(always)]
+    fn resultants_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+    ) -> [[T; D]; K] {
         let mut n = [[T::zero(); D]; K];
-        for point in self.by_frame(reference) {
+        for point in &self.points {
+            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
             let displacement = point.columns(h);
             let strain = green_lagrange(&point.initial, &displacement);
             let stress = self.material.stress(&strain);
@@ -111,14 +122,10 @@ where
         n
     }
 
-    fn has_strain(&self) -> bool {
-        true
-    }
-
     /// The mean stress on the gradient half way (Simo and Tarnow 1992): its torque vanishes, as
     /// that of the mean of the forces does not.
     #[inline(always)]
-    fn secant<T: Algebra<R>>(
+    fn secant_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
         &self,
         viscosity: R,
         reference: &[[R; D]; K],
@@ -127,7 +134,8 @@ where
     ) -> [[T; D]; K] {
         let middle = between(from, to, R::lit(0.5));
         let mut n = [[T::zero(); D]; K];
-        for point in self.by_frame(reference) {
+        for point in &self.points {
+            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
             let strain = |h| green_lagrange(&point.initial, &point.columns(h));
             let stress = self.secant_stress(viscosity, &strain(from), &strain(to));
             let c = total(&point.initial, &point.columns(&middle));
@@ -137,7 +145,7 @@ where
     }
 
     #[inline(always)]
-    fn secant_stiffness<T: Algebra<R>>(
+    fn secant_stiffness_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
         &self,
         viscosity: R,
         reference: &[[R; D]; K],
@@ -147,7 +155,8 @@ where
         let half = R::lit(0.5);
         let middle = between(from, to, half);
         let mut k = [[[[T::zero(); D]; D]; K]; K];
-        for point in self.by_frame(reference) {
+        for point in &self.points {
+            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
             let strain = |h| green_lagrange(&point.initial, &point.columns(h));
             let (before, after) = (strain(from), strain(to));
             let stress = self.secant_stress(viscosity, &before, &after);
@@ -204,7 +213,7 @@ where
     }
 
     #[inline(always)]
-    fn stiffness<T: Algebra<R>>(
+    fn stiffness_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
@@ -212,7 +221,8 @@ where
     ) -> [[T; D]; K] {
         let mut n = [[T::zero(); D]; K];
         *k = [[[[T::zero(); D]; D]; K]; K];
-        for point in self.by_frame(reference) {
+        for point in &self.points {
+            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
             let displacement = point.columns(h);
             let c = total(&point.initial, &displacement);
             let strain = green_lagrange(&point.initial, &displacement);
@@ -239,6 +249,73 @@ where
     }
 }
 
+impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for PointSection<R, M, D>
+where
+    R: Real,
+    M: Material<R, D>,
+{
+    #[inline]
+    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
+        match self.straight {
+            true => self.energy_by::<T, K, true>(reference, h),
+            false => self.energy_by::<T, K, false>(reference, h),
+        }
+    }
+
+    #[inline]
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+        match self.straight {
+            true => self.resultants_by::<T, K, true>(reference, h),
+            false => self.resultants_by::<T, K, false>(reference, h),
+        }
+    }
+
+    fn has_strain(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn secant<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> [[T; D]; K] {
+        match self.straight {
+            true => self.secant_by::<T, K, true>(viscosity, reference, from, to),
+            false => self.secant_by::<T, K, false>(viscosity, reference, from, to),
+        }
+    }
+
+    #[inline(always)]
+    fn secant_stiffness<T: Algebra<R>>(
+        &self,
+        viscosity: R,
+        reference: &[[R; D]; K],
+        from: &[[T; D]; K],
+        to: &[[T; D]; K],
+    ) -> SectionStiffness<T, D, K> {
+        match self.straight {
+            true => self.secant_stiffness_by::<T, K, true>(viscosity, reference, from, to),
+            false => self.secant_stiffness_by::<T, K, false>(viscosity, reference, from, to),
+        }
+    }
+
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+        k: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
+        match self.straight {
+            true => self.stiffness_by::<T, K, true>(reference, h, k),
+            false => self.stiffness_by::<T, K, false>(reference, h, k),
+        }
+    }
+}
+
 /// A section point with its gradient by the orthonormal material frame, in which materials are written.
 struct ByFrame<'a, R, const D: usize> {
     y: &'a [R; D],
@@ -249,32 +326,29 @@ struct ByFrame<'a, R, const D: usize> {
 }
 
 impl<R: Real, M, const D: usize> PointSection<R, M, D> {
+    /// A point by its frame; a straight reference has the same one everywhere, which is known when this
+    /// is compiled.
     #[inline(always)]
-    fn by_frame<const K: usize>(
-        &self,
+    fn by_frame<'a, const K: usize, const STRAIGHT: bool>(
         reference: &[[R; D]; K],
-    ) -> impl Iterator<Item = ByFrame<'_, R, D>> {
-        self.points.iter().map(
-            #[inline(always)]
-            |(y, w)| {
-                let initial = columns(reference, y);
-                if self.straight {
-                    return ByFrame {
-                        y,
-                        weight: *w,
-                        initial,
-                        map: None,
-                    };
-                }
-                let (map, volume) = material_frame(&initial);
-                ByFrame {
-                    y,
-                    weight: *w * volume,
-                    initial: mapped(&map, &initial),
-                    map: Some(map),
-                }
-            },
-        )
+        (y, w): &'a ([R; D], R),
+    ) -> ByFrame<'a, R, D> {
+        let initial = columns(reference, y);
+        if STRAIGHT {
+            return ByFrame {
+                y,
+                weight: *w,
+                initial,
+                map: None,
+            };
+        }
+        let (map, volume) = material_frame(&initial);
+        ByFrame {
+            y,
+            weight: *w * volume,
+            initial: mapped(&map, &initial),
+            map: Some(map),
+        }
     }
 }
 
