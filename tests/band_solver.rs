@@ -438,3 +438,91 @@ fn cost_is_linear_in_the_number_of_unknowns() {
     let ratio = time(400) / time(40);
     assert!(ratio < 40.0, "{ratio}");
 }
+
+/// Taking the right-hand side along is factorising and then solving, to the last bit, whether the matrix
+/// is definite, indefinite, in need of pivots or not symmetric.
+#[test]
+fn factorising_and_solving_at_once_is_one_after_the_other() {
+    let random = &mut Random(17);
+    let profile = varied(83, 14, random);
+    let definite = symmetric(&profile, 40.0, random);
+    let dominant = symmetric(&profile, -40.0, random);
+    let pivoted = symmetric(&profile, 0.0, random);
+    let mut general = BandMatrix::general(&profile);
+    for i in 0..profile.size() {
+        for j in profile.first()[i]..=profile.reach()[i] {
+            general.add(i, j, random.next()).unwrap();
+        }
+    }
+    let b = vector(83, random);
+    for (matrix, inertia) in [
+        (&definite, Some(0)),
+        (&dominant, Some(83)),
+        (&pivoted, None),
+        (&general, None),
+    ] {
+        let (expected, apart) = solved(matrix, matrix.is_symmetric(), &b);
+        let mut factor = Factor::new(&profile, matrix.is_symmetric());
+        let mut x = b.as_slice().to_vec();
+        factor.factor_and_solve(matrix, &mut x).unwrap();
+        assert_eq!(x, expected);
+        assert_eq!([factor.inertia(), apart.inertia()], [inertia; 2]);
+        // What is kept solves on.
+        let mut x = b.as_slice().to_vec();
+        factor.solve(&mut x).unwrap();
+        assert_eq!(x, expected);
+    }
+    let mut factor = Factor::new(&profile, true);
+    let short = factor.factor_and_solve(&definite, &mut [0.0; 5]);
+    assert!(matches!(short, Err(Error::Length { .. })));
+}
+
+/// Lines are zeroed when they are written to: until then, and wherever writing starts, a cleared matrix
+/// is zero for every reader.
+#[test]
+fn a_cleared_matrix_is_a_new_one() {
+    let random = &mut Random(5);
+    let profile = varied(40, 9, random);
+    let block: Vec<f64> = (0..9).map(|k| f64::from(k + 1)).collect();
+    // A block of three unknowns that couple.
+    let start = (0..37).find(|i| profile.reach()[*i] >= i + 2).unwrap();
+    type Write = fn(&mut BandMatrix<f64>, &BandMatrix<f64>, usize, &[f64]);
+    let writes: [Write; 4] = [
+        |_, _, _, _| {},
+        |matrix, _, start, block| matrix.add_block(start, 3, block).unwrap(),
+        |matrix, _, start, _| matrix.add(start + 2, start, 3.0).unwrap(),
+        |matrix, other, _, _| matrix.scale_add(2.0, other).unwrap(),
+    ];
+    for full in [symmetric(&profile, 2.0, random), {
+        let mut general = BandMatrix::general(&profile);
+        for i in 0..40 {
+            for j in profile.first()[i]..=profile.reach()[i] {
+                general.add(i, j, random.next()).unwrap();
+            }
+        }
+        general
+    }] {
+        let new = || match full.is_symmetric() {
+            true => BandMatrix::symmetric(&profile),
+            false => BandMatrix::general(&profile),
+        };
+        let mut other = full.clone();
+        other.clear();
+        other.add_block(start, 3, &block).unwrap();
+        for write in writes {
+            let (mut cleared, mut fresh) = (full.clone(), new());
+            cleared.clear();
+            write(&mut cleared, &other, start, &block);
+            write(&mut fresh, &other, start, &block);
+            assert_eq!(dense(&cleared), dense(&fresh));
+            let x: Vec<f64> = (0..40).map(|i| f64::from(i) - 7.5).collect();
+            let [mut a, mut b] = [vec![0.0; 40], vec![0.0; 40]];
+            cleared.mul_vec(&x, &mut a).unwrap();
+            fresh.mul_vec(&x, &mut b).unwrap();
+            assert_eq!(a, b);
+            let mut copy = full.clone();
+            copy.copy_from(&cleared).unwrap();
+            assert_eq!(dense(&copy), dense(&fresh));
+        }
+    }
+}

@@ -148,11 +148,15 @@ impl<M: PoissonSplit> Continuum<M> {
 }
 
 /// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Constant elasticity in every layer is integrated once
-/// and for all, everything else sampled at every evaluation.
+/// and for all, everything else sampled at every evaluation, on a straight reference or on another.
 pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> = Either<
-    GramKernel<R, Direct, D, S>,
-    Either<GramKernel<R, InParts<R, D, S>, D, S>, SampledKernel<R, PointSection<R, M, D>, D, S, K>>,
+    Either<GramKernel<R, Direct, D, S>, GramKernel<R, InParts<R, D, S>, D, S>>,
+    Either<PointKernel<R, M, D, S, K, true>, PointKernel<R, M, D, S, K, false>>,
 >;
+
+/// Kernel of a material sampled at section points.
+type PointKernel<R, M, const D: usize, const S: usize, const K: usize, const STRAIGHT: bool> =
+    SampledKernel<R, PointSection<R, M, D, STRAIGHT>, D, S, K>;
 
 impl<M> Continuum<M> {
     /// Section points of a layer.
@@ -212,18 +216,34 @@ impl<M> Continuum<M> {
         M: Material<R, D>,
     {
         if let Some(form) = self.form::<R, E, D, S, K>(element, reference, section)? {
-            return Ok(Either::First(form.kernel::<E, _>(reference)));
+            return Ok(Either::First(Either::First(form.kernel::<E, _>(reference))));
         }
+        Ok(Either::Second(match reference.is_straight() {
+            true => Either::First(self.sampled_kernel(element, reference, section)?),
+            false => Either::Second(self.sampled_kernel(element, reference, section)?),
+        }))
+    }
+
+    fn sampled_kernel<R, E, const D: usize, const S: usize, const K: usize, const STRAIGHT: bool>(
+        &self,
+        element: &E,
+        reference: &Reference<R, D, S>,
+        section: &dyn Section<R>,
+    ) -> Result<PointKernel<R, M, D, S, K, STRAIGHT>>
+    where
+        R: Real,
+        E: Element<D, S>,
+        M: Material<R, D>,
+    {
         let samples = section_samples(element, reference.length)?;
         let mut kernel = SampledKernel::new();
         for layer in &self.layers {
-            let straight = reference.is_straight();
             let points = Self::points(layer, section)?;
-            let law = PointSection::new(layer.material.clone(), points, straight);
+            let law = PointSection::new(layer.material.clone(), points);
             let axial = gauss_legendre(layer.axial)?;
             kernel = kernel.with_part(element, reference, law, samples, &axial);
         }
-        Ok(Either::Second(Either::Second(kernel)))
+        Ok(kernel)
     }
 }
 
@@ -267,7 +287,7 @@ macro_rules! dimension {
             ) -> Result<Option<Self::Kernel>> {
                 let form = self.form::<R, E, $d, S, $k>(element, reference, section)?;
                 let kernel = |form: Form<R, $d, S>| form.kernel::<E, _>(reference);
-                Ok(form.map(|form| Either::Second(Either::First(kernel(form)))))
+                Ok(form.map(|form| Either::First(Either::Second(kernel(form)))))
             }
 
             fn resampled(&self, axial: usize, section_degree: usize) -> Option<Self> {

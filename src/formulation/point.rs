@@ -10,13 +10,13 @@ use crate::tensor::{add_scaled, add_times, array, between, cross, dot, sum};
 /// coordinates. Its `K = 2 D - 1` vectors are `r'`, the cross slopes `r_y`[, `r_z`] and their
 /// derivatives along the axis; the deformation gradient at a section point is
 /// `J = [r' + y r_y' + z r_z', r_y, r_z]` (the inner sum of eq. 18 of Orzechowski 2012). On a
-/// curved reference with gradient `J0` it is `J J0^-1`, by an orthonormal frame of the section.
+/// curved reference with gradient `J0` it is `J J0^-1`, by an orthonormal frame of the section; on a
+/// `STRAIGHT` one that frame is the beam's own.
 #[derive(Debug, Clone)]
-pub struct PointSection<R, M, const D: usize> {
+pub struct PointSection<R, M, const D: usize, const STRAIGHT: bool> {
     material: M,
     /// Section points `(1, y[, z])` with weights: the factors of the vectors in the first column.
     points: Vec<([R; D], R)>,
-    straight: bool,
 }
 
 /// Which sampled vector has the factor `m` of `(1, y, z)` in the first gradient column.
@@ -25,10 +25,9 @@ pub(super) const fn first_column<const D: usize>(m: usize) -> usize {
     if m == 0 { 0 } else { D - 1 + m }
 }
 
-impl<R: Real, M, const D: usize> PointSection<R, M, D> {
-    /// `material` at the section points `(0, y[, z])` (m) with weights (m^2), on references that
-    /// are `straight` or not.
-    pub(super) fn new(material: M, points: Vec<([R; D], R)>, straight: bool) -> Self {
+impl<R: Real, M, const D: usize, const STRAIGHT: bool> PointSection<R, M, D, STRAIGHT> {
+    /// `material` at the section points `(0, y[, z])` (m) with weights (m^2).
+    pub(super) fn new(material: M, points: Vec<([R; D], R)>) -> Self {
         let factors = |(mut y, w): ([R; D], R)| {
             y[0] = R::one();
             (y, w)
@@ -36,12 +35,11 @@ impl<R: Real, M, const D: usize> PointSection<R, M, D> {
         Self {
             material,
             points: points.into_iter().map(factors).collect(),
-            straight,
         }
     }
 }
 
-impl<R: Real, M, const D: usize> PointSection<R, M, D> {
+impl<R: Real, M, const D: usize, const STRAIGHT: bool> PointSection<R, M, D, STRAIGHT> {
     /// Mean stress between two strains with the viscous part.
     #[inline(always)]
     fn secant_stress<T: Algebra<R>>(
@@ -84,21 +82,17 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     columns
 }
 
-/// The law on references whose shape is known when this is compiled.
-impl<R, M, const D: usize> PointSection<R, M, D>
+impl<R, M, const D: usize, const K: usize, const STRAIGHT: bool> SectionLaw<R, D, K>
+    for PointSection<R, M, D, STRAIGHT>
 where
     R: Real,
     M: Material<R, D>,
 {
     #[inline(always)]
-    fn energy_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
-        &self,
-        reference: &[[R; D]; K],
-        h: &[[T; D]; K],
-    ) -> T {
+    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         let mut energy = T::zero();
         for point in &self.points {
-            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
+            let point = Self::by_frame(reference, point);
             let strain = green_lagrange(&point.initial, &point.columns(h));
             energy += self.material.energy(&strain).times(point.weight);
         }
@@ -106,14 +100,10 @@ where
     }
 
     #[inline(always)]
-    fn resultants_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
-        &self,
-        reference: &[[R; D]; K],
-        h: &[[T; D]; K],
-    ) -> [[T; D]; K] {
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
         let mut n = [[T::zero(); D]; K];
         for point in &self.points {
-            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
+            let point = Self::by_frame(reference, point);
             let displacement = point.columns(h);
             let strain = green_lagrange(&point.initial, &displacement);
             let stress = self.material.stress(&strain);
@@ -122,10 +112,14 @@ where
         n
     }
 
+    fn has_strain(&self) -> bool {
+        true
+    }
+
     /// The mean stress on the gradient half way (Simo and Tarnow 1992): its torque vanishes, as
     /// that of the mean of the forces does not.
     #[inline(always)]
-    fn secant_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
+    fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
         reference: &[[R; D]; K],
@@ -135,7 +129,7 @@ where
         let middle = between(from, to, R::lit(0.5));
         let mut n = [[T::zero(); D]; K];
         for point in &self.points {
-            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
+            let point = Self::by_frame(reference, point);
             let strain = |h| green_lagrange(&point.initial, &point.columns(h));
             let stress = self.secant_stress(viscosity, &strain(from), &strain(to));
             let c = total(&point.initial, &point.columns(&middle));
@@ -145,7 +139,7 @@ where
     }
 
     #[inline(always)]
-    fn secant_stiffness_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
+    fn secant_stiffness<T: Algebra<R>>(
         &self,
         viscosity: R,
         reference: &[[R; D]; K],
@@ -156,7 +150,7 @@ where
         let middle = between(from, to, half);
         let mut k = [[[[T::zero(); D]; D]; K]; K];
         for point in &self.points {
-            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
+            let point = Self::by_frame(reference, point);
             let strain = |h| green_lagrange(&point.initial, &point.columns(h));
             let (before, after) = (strain(from), strain(to));
             let stress = self.secant_stress(viscosity, &before, &after);
@@ -213,7 +207,7 @@ where
     }
 
     #[inline(always)]
-    fn stiffness_by<T: Algebra<R>, const K: usize, const STRAIGHT: bool>(
+    fn stiffness<T: Algebra<R>>(
         &self,
         reference: &[[R; D]; K],
         h: &[[T; D]; K],
@@ -222,7 +216,7 @@ where
         let mut n = [[T::zero(); D]; K];
         *k = [[[[T::zero(); D]; D]; K]; K];
         for point in &self.points {
-            let point = Self::by_frame::<K, STRAIGHT>(reference, point);
+            let point = Self::by_frame(reference, point);
             let displacement = point.columns(h);
             let c = total(&point.initial, &displacement);
             let strain = green_lagrange(&point.initial, &displacement);
@@ -249,73 +243,6 @@ where
     }
 }
 
-impl<R, M, const D: usize, const K: usize> SectionLaw<R, D, K> for PointSection<R, M, D>
-where
-    R: Real,
-    M: Material<R, D>,
-{
-    #[inline]
-    fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
-        match self.straight {
-            true => self.energy_by::<T, K, true>(reference, h),
-            false => self.energy_by::<T, K, false>(reference, h),
-        }
-    }
-
-    #[inline]
-    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
-        match self.straight {
-            true => self.resultants_by::<T, K, true>(reference, h),
-            false => self.resultants_by::<T, K, false>(reference, h),
-        }
-    }
-
-    fn has_strain(&self) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn secant<T: Algebra<R>>(
-        &self,
-        viscosity: R,
-        reference: &[[R; D]; K],
-        from: &[[T; D]; K],
-        to: &[[T; D]; K],
-    ) -> [[T; D]; K] {
-        match self.straight {
-            true => self.secant_by::<T, K, true>(viscosity, reference, from, to),
-            false => self.secant_by::<T, K, false>(viscosity, reference, from, to),
-        }
-    }
-
-    #[inline(always)]
-    fn secant_stiffness<T: Algebra<R>>(
-        &self,
-        viscosity: R,
-        reference: &[[R; D]; K],
-        from: &[[T; D]; K],
-        to: &[[T; D]; K],
-    ) -> SectionStiffness<T, D, K> {
-        match self.straight {
-            true => self.secant_stiffness_by::<T, K, true>(viscosity, reference, from, to),
-            false => self.secant_stiffness_by::<T, K, false>(viscosity, reference, from, to),
-        }
-    }
-
-    #[inline(always)]
-    fn stiffness<T: Algebra<R>>(
-        &self,
-        reference: &[[R; D]; K],
-        h: &[[T; D]; K],
-        k: &mut SectionStiffness<T, D, K>,
-    ) -> [[T; D]; K] {
-        match self.straight {
-            true => self.stiffness_by::<T, K, true>(reference, h, k),
-            false => self.stiffness_by::<T, K, false>(reference, h, k),
-        }
-    }
-}
-
 /// A section point with its gradient by the orthonormal material frame, in which materials are written.
 struct ByFrame<'a, R, const D: usize> {
     y: &'a [R; D],
@@ -325,11 +252,10 @@ struct ByFrame<'a, R, const D: usize> {
     map: Option<[[R; D]; D]>,
 }
 
-impl<R: Real, M, const D: usize> PointSection<R, M, D> {
-    /// A point by its frame; a straight reference has the same one everywhere, which is known when this
-    /// is compiled.
+impl<R: Real, M, const D: usize, const STRAIGHT: bool> PointSection<R, M, D, STRAIGHT> {
+    /// A point by its frame.
     #[inline(always)]
-    fn by_frame<'a, const K: usize, const STRAIGHT: bool>(
+    fn by_frame<'a, const K: usize>(
         reference: &[[R; D]; K],
         (y, w): &'a ([R; D], R),
     ) -> ByFrame<'a, R, D> {

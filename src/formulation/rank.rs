@@ -198,7 +198,7 @@ fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, c
     });
     if let Some(value) = matrix.iter().copied().find(|v| !v.is_finite()) {
         return Err(Error::NotFinite {
-            what: "a stiffness of an element at rest: check the energy there, and the moduli",
+            what: "a stiffness of an element at rest, by its energy and moduli,",
             value,
         });
     }

@@ -224,11 +224,10 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
     fn force(&self, _u: &[R], _q: &mut [R]) {}
 
     fn tangent(&self, _u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
+        let Some(share) = mass else { return Ok(()) };
         for (i, moments) in self.moments.iter().enumerate() {
             let start = self.offset + i * D;
-            if let Some(share) = mass {
-                k.add_alike(start, start, D, share, &moments[i..])?;
-            }
+            k.add_alike(start, start, D, share, &moments[i..])?;
         }
         Ok(())
     }

@@ -121,14 +121,35 @@ impl<R: Real> Factor<R> {
     /// [`Error::NotFinite`] reports NaN or infinity met in elimination, [`Error::Length`] a
     /// matrix of another profile, [`Error::Unsupported`] one stored in another way. After an error there is nothing to solve with.
     pub fn factor<'a>(&mut self, matrix: impl Into<Entries<'a, R>>) -> Result<()> {
+        self.decompose(matrix.into(), None)
+    }
+
+    /// [`factor`](Self::factor) and [`solve`](Self::solve) in one, which spares a long chain one way of
+    /// its factors through the caches.
+    ///
+    /// # Errors
+    /// Those of both.
+    pub fn factor_and_solve<'a>(
+        &mut self,
+        matrix: impl Into<Entries<'a, R>>,
+        x: &mut [R],
+    ) -> Result<()> {
+        Error::check_length("right-hand side", x.len(), self.profile.size())?;
+        self.decompose(matrix.into(), Some(x))
+    }
+
+    fn decompose(
+        &mut self,
+        Entries(matrix): Entries<'_, R>,
+        mut x: Option<&mut [R]>,
+    ) -> Result<()> {
         self.held = Held::Nothing;
-        let Entries(matrix) = matrix.into();
         let matrix = match (matrix, &mut self.sparse) {
             (Kept::Band(matrix), _) => matrix,
             (Kept::Sparse(matrix), Some(sparse)) => {
                 if sparse.factor(matrix)? {
                     self.held = Held::Sparse;
-                    return Ok(());
+                    return x.map_or(Ok(()), |x| self.solve(x));
                 }
                 let spread = self
                     .spread
@@ -146,7 +167,7 @@ impl<R: Real> Factor<R> {
         self.profile.check_same(matrix.profile())?;
         if matrix.is_symmetric()
             && let Some(ldlt) = &mut self.ldlt
-            && ldlt.factor(matrix)?
+            && ldlt.factor(matrix, x.as_deref_mut())?
         {
             self.held = Held::Ldlt;
             return Ok(());
@@ -154,33 +175,7 @@ impl<R: Real> Factor<R> {
         let lu = self.lu.get_or_insert_with(|| Lu::new(&self.profile));
         lu.factor(&self.profile, matrix)?;
         self.held = Held::Lu;
-        Ok(())
-    }
-
-    /// [`factor`](Self::factor) and [`solve`](Self::solve) in one, which spares a long chain one way of
-    /// its factors through the caches.
-    ///
-    /// # Errors
-    /// Those of both.
-    pub fn factor_and_solve<'a>(
-        &mut self,
-        matrix: impl Into<Entries<'a, R>>,
-        x: &mut [R],
-    ) -> Result<()> {
-        let entries = matrix.into();
-        if let (Kept::Band(matrix), Some(ldlt)) = (&entries.0, &mut self.ldlt)
-            && matrix.is_symmetric()
-        {
-            self.held = Held::Nothing;
-            self.profile.check_same(matrix.profile())?;
-            Error::check_length("right-hand side", x.len(), self.profile.size())?;
-            if ldlt.factor_and_solve(matrix, x)? {
-                self.held = Held::Ldlt;
-                return Ok(());
-            }
-        }
-        self.factor(entries)?;
-        self.solve(x)
+        x.map_or(Ok(()), |x| self.solve(x))
     }
 
     /// Replaces the right-hand side `x` by the solution. Allocates nothing.

@@ -216,10 +216,8 @@ where
         let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
         values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         let rigid = rigid_modes::<f64, E, D, S>(&self.reference, 0).min(size);
-        values[rigid..]
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min)
+        let rest = values[rigid..].iter().copied();
+        rest.reduce(f64::min).unwrap_or(f64::NAN)
     }
 
     /// What assembly and energy-momentum methods ask for, which a kernel may give by itself.

@@ -73,8 +73,7 @@ where
     // Spinning about the axis costs nothing when the ends are spherical joints.
     let lowest = positive("lowest frequency of the beam [rad/s]", truth[0].0)?;
     let modes = Modes::lowest((truth.len() + 1).min(system.unknowns().count()));
-    let modes = modes.vibration(&system, &system.rest(), 1.0)?;
-    let mut modes: Vec<_> = modes.into_iter().collect();
+    let mut modes = modes.vibration(&system, &system.rest(), 1.0)?;
     let spins = |value: f64| D == 3 && value.abs() <= 1e-4 * lowest * lowest;
     if let Some(spinning) = modes.iter().position(|mode| spins(mode.value)) {
         modes.remove(spinning);

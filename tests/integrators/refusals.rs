@@ -19,6 +19,12 @@ fn parameters_out_of_range() {
         let text = refusal(&Newmark::generalised_alpha(radius));
         assert!(text.contains("generalised_alpha with 0 to 1"), "{text}");
     }
+    // By the number given, not by those it was turned into.
+    let text = refusal(&Newmark::generalised_alpha(1.5));
+    assert!(
+        text.contains("spectral radius") && text.contains("1.5"),
+        "{text}"
+    );
     for alpha in [-0.1, 0.6, f64::NAN] {
         assert!(
             refusal(&Newmark::hht(alpha)).contains("Newmark::hht"),

@@ -2,6 +2,7 @@
 //! follow from others.
 
 use ancf::prelude::*;
+use ancf::solver::{Matrix, Structure};
 
 const G: f64 = 9.81;
 
@@ -202,4 +203,43 @@ fn dead_points_and_contradictions_are_refused() {
     scene(1.0).unwrap();
     let error = scene(1.1).unwrap_err();
     assert!(matches!(error, Error::Redundant { .. }), "{error}");
+}
+
+/// The tangent with a share of the mass is the tangent and that share of the mass, for beams in lanes and
+/// at supports, rigid bodies and point masses.
+#[test]
+fn the_mass_added_with_the_tangent_is_the_mass() {
+    let mut scene = Scene::<f64, 3>::new();
+    let solid = SaintVenantKirchhoff::isotropic(2e7, 0.3).unwrap();
+    let formulation = Continuum::selective_reduced(solid);
+    let rod = Beam::new(FullyParameterised, Disk::new(0.02).unwrap(), formulation);
+    let rod = rod.straight([0.0; 3], [1.0, 0.0, 0.0], 7).density(1e3);
+    let rod = scene.add(rod).unwrap();
+    scene.pin(rod.start()).unwrap();
+    scene.mass(rod.end(), 0.7).unwrap();
+    let body = RigidBody::new(2.0, diagonal([0.2, 0.3, 0.4])).centre([0.1, 0.2, -0.1]);
+    scene.add_body(body).unwrap();
+    let system = scene.assemble().unwrap();
+    let size = system.reference().len();
+    let u: Vec<f64> = (0..size).map(|i| 1e-2 * (i as f64).sin()).collect();
+    let unknowns = system.unknowns();
+    let matrix = || Matrix::zero(unknowns, system.symmetric());
+    let (mut whole, mut parts, mut tangent) = (matrix(), matrix(), matrix());
+    system
+        .add_tangent_and_mass(0.0, 1.0, &u, 3e5, &mut whole)
+        .unwrap();
+    system.add_tangent(0.0, 1.0, &u, &mut tangent).unwrap();
+    system.add_tangent(0.0, 1.0, &u, &mut parts).unwrap();
+    system.add_mass(3e5, &mut parts).unwrap();
+    let [whole, parts, tangent] = [&whole, &parts, &tangent].map(|k| k.stored());
+    let (mut worst, mut largest, mut moved) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for i in 0..unknowns.count() {
+        for j in 0..unknowns.count() {
+            worst = worst.max((whole.get(i, j) - parts.get(i, j)).abs());
+            moved = moved.max((tangent.get(i, j) - parts.get(i, j)).abs());
+            largest = largest.max(parts.get(i, j).abs());
+        }
+    }
+    assert!(worst < 1e-14 * largest, "{worst:e} of {largest:e}");
+    assert!(moved > 1e-3 * largest, "the mass counts");
 }

@@ -4,7 +4,7 @@ use ancf::material::{Blocks, Tensor};
 use ancf::prelude::*;
 use ancf::quadrature::Cubature;
 use ancf::section::Properties;
-use ancf::verify::{self, ByEnergy};
+use ancf::verify::{self, ByEnergy, Pose, Precision, PrecisionRow, SlenderRow, SlenderStudy};
 
 use crate::{assert_each_check_catches, assert_fails, disk, failures, rubber};
 
@@ -165,6 +165,49 @@ fn laws_that_are_no_numbers_are_called_that() {
     let beam = Beam::new(FullyParameterised, disk(), Continuum::full(law));
     let added = Scene::<f64, 3>::new().add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 4));
     assert!(matches!(added, Err(Error::NotFinite { .. })), "{added:?}");
+}
+
+/// An error that is no number has lost every digit, and is the worst there is.
+#[test]
+fn errors_that_are_no_numbers_pass_nowhere() {
+    let row = SlenderRow {
+        pose: Pose::default(),
+        error: f64::NAN,
+        storage: 1.0,
+        rule: 0.0,
+        strain: f64::NAN,
+        assembly: 0.0,
+        factorisation: 0.0,
+    };
+    assert_eq!(row.worst(), "strain");
+    let study = SlenderStudy {
+        epsilon: 1e-7,
+        rows: vec![row],
+    };
+    assert!(!study.report(20.0).passed());
+    let staged = Precision {
+        epsilon: 1e-7,
+        rows: vec![PrecisionRow {
+            parameter: 1.0,
+            error: f64::NAN,
+            shares: Vec::new(),
+        }],
+    };
+    assert!(!staged.report(20.0).passed());
+}
+
+/// A length that is none is named before anything is made of it.
+#[test]
+fn elements_without_length_are_not_checked() {
+    let solid = Continuum::full(rubber::<3>());
+    for length in [0.0, -1.0, f64::NAN] {
+        let report =
+            verify::formulation::<_, _, _, 3, 8>(&FullyParameterised, &solid, &disk(), length);
+        assert!(
+            matches!(report, Err(Error::NotPositive { .. })),
+            "{report:?}"
+        );
+    }
 }
 
 // Wrong materials.

@@ -33,6 +33,14 @@ impl<R: Real, const D: usize> System<R, D> {
         Ok(())
     }
 
+    /// Tangents of all but bodies.
+    fn add_other_tangents(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
+        for link in &self.connectors {
+            link.tangent(u, k)?;
+        }
+        self.subtract_loads(&self.loads, time, factor, u, k)
+    }
+
     fn subtract_loads(
         &self,
         loads: &[NodalLoad<R, D>],
@@ -150,10 +158,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for body in &self.bodies {
             body.elastic().tangent(u, None, k)?;
         }
-        for link in &self.connectors {
-            link.tangent(u, k)?;
-        }
-        self.subtract_loads(&self.loads, time, factor, u, k)
+        self.add_other_tangents(time, factor, u, k)
     }
 
     fn add_tangent_and_mass(
@@ -170,10 +175,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         for (vector, m) in &self.masses {
             k.add_alike(vector * D, vector * D, D, mass, &[*m])?;
         }
-        for link in &self.connectors {
-            link.tangent(u, k)?;
-        }
-        self.subtract_loads(&self.loads, time, factor, u, k)
+        self.add_other_tangents(time, factor, u, k)
     }
 
     fn secant(&self) -> Secant {

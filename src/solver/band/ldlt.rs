@@ -113,46 +113,27 @@ impl<R: Real> Ldlt<R> {
         tape.numbers(&mut self.inverse)
     }
 
-    /// Whether the matrix could be factorised stably; if not, it needs pivoting.
-    pub(super) fn factor(&mut self, matrix: &BandMatrix<R>) -> Result<bool> {
-        let x = None;
-        R::dispatch(Factorisation {
-            ldlt: self,
-            matrix,
-            x,
-        })
-    }
-
-    /// The same, and replaces the right-hand side `x` by the solution; elimination takes it along, while
-    /// columns are at hand.
-    pub(super) fn factor_and_solve(&mut self, matrix: &BandMatrix<R>, x: &mut [R]) -> Result<bool> {
-        let mut vector = self.take(x);
+    /// Whether the matrix could be factorised stably; if not, it needs pivoting. A right-hand side `x` is
+    /// then replaced by the solution: elimination takes it along, while columns are at hand.
+    pub(super) fn factor(&mut self, matrix: &BandMatrix<R>, x: Option<&mut [R]>) -> Result<bool> {
+        let mut vector = x.as_deref().map(|x| self.take(x));
         let stable = R::dispatch(Factorisation {
             ldlt: self,
             matrix,
-            x: Some(&mut vector),
+            x: vector.as_deref_mut(),
         });
-        if let Ok(true) = stable {
-            let reach = matrix.profile().reach();
-            R::dispatch(Solution::<_, false> {
-                ldlt: self,
-                reach,
-                x: &mut vector,
-            });
-            x.copy_from_slice(&vector[..x.len()]);
+        if let (Some(x), Some(mut vector)) = (x, vector) {
+            if let Ok(true) = stable {
+                self.finish::<false>(matrix.profile(), &mut vector, x);
+            }
+            self.vector = vector;
         }
-        self.vector = vector;
         stable
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
         let mut vector = self.take(x);
-        R::dispatch(Solution::<_, true> {
-            ldlt: self,
-            reach: profile.reach(),
-            x: &mut vector,
-        });
-        x.copy_from_slice(&vector[..x.len()]);
+        self.finish::<true>(profile, &mut vector, x);
         self.vector = vector;
     }
 
@@ -161,6 +142,16 @@ impl<R: Real> Ldlt<R> {
         let mut vector = std::mem::take(&mut self.vector);
         vector[..x.len()].copy_from_slice(x);
         vector
+    }
+
+    /// Solves in `vector` for `x`, with elimination (`FORWARD`) or after it.
+    fn finish<const FORWARD: bool>(&self, profile: &Profile, vector: &mut [R], x: &mut [R]) {
+        R::dispatch(Solution::<_, FORWARD> {
+            ldlt: self,
+            reach: profile.reach(),
+            x: vector,
+        });
+        x.copy_from_slice(&vector[..x.len()]);
     }
 
     /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
@@ -241,7 +232,6 @@ impl<R: Real> Ldlt<R> {
                 }
             }
         }
-        let mut solved = [R::zero(); P];
         for p in (0..P).rev() {
             let mut parts = [R::zero(); SUMS];
             for part in 0..SUMS / L::WIDTH {
@@ -252,15 +242,9 @@ impl<R: Real> Ldlt<R> {
                 value -= sum;
             }
             for q in p + 1..P {
-                value -= own[p][q - p] * solved[q];
+                value -= own[p][q - p] * x[j + q];
             }
-            solved[p] = value;
-        }
-        if P == L::WIDTH {
-            // As one register: they are read as one next, which would wait for four.
-            L::load(&solved).store(&mut x[j..]);
-        } else {
-            x[j..j + P].copy_from_slice(&solved);
+            x[j + p] = value;
         }
     }
 
