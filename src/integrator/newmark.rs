@@ -116,13 +116,13 @@ impl<R: Real> Scheme<R> for Newmark {
         state: &mut State<R>,
     ) -> Result<NewmarkMethod<R>> {
         self.newton.check()?;
-        // The family of Chung and Hulbert is known by its radius.
+        // The family of Chung and Hulbert is known by its radius, which the weights hold to rounding.
         let radius = self.alpha_f / (1.0 - self.alpha_f);
         let of_radius = Self::generalised_alpha(radius).alpha_m;
         if (self.alpha_m - of_radius).abs() < 1e-12 && !(0.0..=1.0).contains(&radius) {
             return Err(Error::OutOfRange {
                 what: "spectral radius of the generalised-alpha method",
-                value: radius,
+                value: (radius * 1e12).round() / 1e12,
                 range: "[0, 1]",
                 remedy: "use Newmark::generalised_alpha with 0 to 1, with 1 for no dissipation",
             });
