@@ -225,7 +225,7 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     /// where there are none.
     #[inline]
     fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
-        work.run::<Self>()
+        work.run_singly()
     }
     /// The circle constant, to the last digit of the type.
     fn pi() -> Self {
@@ -368,7 +368,7 @@ macro_rules! float {
                     };
                 }
                 #[cfg(target_arch = "x86_64")]
-                return work.run::<Self>();
+                return work.run_singly();
                 #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }

@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use super::either::Either;
 use super::products::magnitude;
 use super::relative::Positions;
-use super::{ElementKernel, Formulation, Reference, Tangent};
+use super::{ElementKernel, Formulation, Outlined, Reference, Tangent};
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::scalar::{Algebra, Field, Real, Scalar};
@@ -115,7 +115,7 @@ pub type CoMovingKernel<R, E, K, const D: usize, const S: usize> =
 /// A kernel in its co-moving frame.
 #[derive(Debug, Clone)]
 pub struct FramedKernel<R, E, K, const D: usize, const S: usize> {
-    kernel: K,
+    kernel: Outlined<K>,
     element: PhantomData<E>,
     positions: Positions<S>,
     /// Reference vectors, positions relative to the first: their parts on the grid and the rest.
@@ -151,7 +151,7 @@ where
             NodalVector::Slope(_) => R::one(),
         };
         let mut new = Self {
-            kernel,
+            kernel: Outlined(kernel),
             element: PhantomData,
             positions: Positions::of::<E, D>(),
             coarse: [[R::zero(); D]; S],
@@ -318,12 +318,10 @@ where
     E: Element<D, S>,
     K: ElementKernel<R, D, S>,
 {
-    #[inline]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         self.kernel.energy(&self.local(u).1)
     }
 
-    #[inline]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         let (rotation, u) = self.local(u);
         let mut force = [[T::zero(); D]; S];
@@ -336,7 +334,6 @@ where
     }
 
     /// Both ends of the step in the frame of the last.
-    #[inline]
     fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
@@ -351,7 +348,6 @@ where
         self.add_force(&rotation, &force, q);
     }
 
-    #[inline]
     fn tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],

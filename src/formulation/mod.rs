@@ -23,6 +23,7 @@ mod either;
 mod gram;
 mod inertia;
 mod law;
+mod outlined;
 mod point;
 mod products;
 mod rank;
@@ -39,6 +40,7 @@ pub use gram::GramKernel;
 pub use inertia::Inertia;
 pub(crate) use law::varied;
 pub use law::{SectionLaw, SectionStiffness};
+pub(crate) use outlined::Outlined;
 pub use point::PointSection;
 pub use products::{Direct, InParts, Products};
 pub(crate) use rank::rigid_modes;
@@ -147,7 +149,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     /// at a price.
     #[inline(always)]
     fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        work.run::<R>()
+        work.run_singly()
     }
 
     /// Strain energy (J) (eq. 10).

@@ -303,7 +303,6 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         let mut v = *u;
         self.positions.make_relative(&mut v);
@@ -317,7 +316,6 @@ where
         energy
     }
 
-    #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         let mut v = *u;
         self.positions.make_relative(&mut v);
@@ -333,7 +331,6 @@ where
         self.positions.add_force(&f, q);
     }
 
-    #[inline(always)]
     fn tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
@@ -347,7 +344,6 @@ where
         );
     }
 
-    #[inline(always)]
     fn upper_tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
@@ -381,7 +377,6 @@ where
         self.parts.iter().all(|(law, _)| law.has_strain())
     }
 
-    #[inline]
     fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
@@ -403,7 +398,6 @@ where
         self.positions.add_force(&relative, q);
     }
 
-    #[inline]
     fn secant_tangent<T: Algebra<R>>(
         &self,
         viscosity: R,

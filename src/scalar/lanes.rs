@@ -53,6 +53,16 @@ pub trait LaneWork<R> {
     /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), and so must what
     /// it calls, to be compiled for the registers that `L` stands for.
     fn run<L: Lanes<R>>(self) -> Self::Output;
+
+    /// Does the work one number at a time: compiled once, wherever it is asked for.
+    #[inline(never)]
+    fn run_singly(self) -> Self::Output
+    where
+        R: Real,
+        Self: Sized,
+    {
+        self.run::<R>()
+    }
 }
 
 /// Work of plain loops over numbers, compiled for the widest registers, which packs fill by themselves.

@@ -498,7 +498,7 @@ macro_rules! packs {
                     };
                 }
                 #[cfg(target_arch = "x86_64")]
-                return work.run::<Self>();
+                return work.run_singly();
                 #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }

@@ -215,7 +215,7 @@ where
     fn run<W: LaneWork<R>>(&self, work: W) -> W::Output {
         match &self.links[..] {
             [link] => link.kernel.dispatch(work),
-            _ => work.run::<R>(),
+            _ => work.run_singly(),
         }
     }
 

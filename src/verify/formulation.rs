@@ -8,7 +8,7 @@ use super::{ByEnergy, ByForce, Limit, Report};
 use crate::element::{Element, NodalVector, most};
 use crate::error::{Error, Result, positive};
 use crate::formulation::{
-    Continuum, ElementKernel, Formulation, Reference, Tangent, mirror, rigid_modes,
+    Continuum, ElementKernel, Formulation, Outlined, Reference, Tangent, mirror, rigid_modes,
 };
 use crate::section::Section;
 use crate::tensor::array;
@@ -42,7 +42,10 @@ where
     let length = positive("length of the element [m]", length)?;
     let reference = Reference::straight(element, length, tilted());
     formulation.check(element, section)?;
-    let kernel = || formulation.kernel(element, &reference, section);
+    let kernel = || {
+        let kernel = formulation.kernel(element, &reference, section);
+        kernel.map(Outlined)
+    };
     let rest = reference.vectors;
     let mut bench = Bench::<_, E, D, S> {
         element: *element,

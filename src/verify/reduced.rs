@@ -21,7 +21,6 @@ where
     R: Real,
     K: ElementKernel<R, D, S>,
 {
-    #[inline]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         self.0.energy(u)
     }
@@ -84,18 +83,15 @@ where
     R: Real,
     K: ElementKernel<R, D, S>,
 {
-    #[inline]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         self.0.energy(u)
     }
-    #[inline]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         self.0.force(u, q);
     }
     fn has_strain(&self) -> bool {
         self.0.has_strain()
     }
-    #[inline]
     fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
