@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use super::either::Either;
 use super::products::magnitude;
 use super::relative::Positions;
-use super::{ElementKernel, Formulation, Outlined, Reference, Tangent};
+use super::{ElementKernel, Formulation, Reference, Tangent};
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::scalar::{Algebra, Field, Real, Scalar};
@@ -115,7 +115,7 @@ pub type CoMovingKernel<R, E, K, const D: usize, const S: usize> =
 /// A kernel in its co-moving frame.
 #[derive(Debug, Clone)]
 pub struct FramedKernel<R, E, K, const D: usize, const S: usize> {
-    kernel: Outlined<K>,
+    kernel: K,
     element: PhantomData<E>,
     positions: Positions<S>,
     /// Reference vectors, positions relative to the first: their parts on the grid and the rest.
@@ -151,7 +151,7 @@ where
             NodalVector::Slope(_) => R::one(),
         };
         let mut new = Self {
-            kernel: Outlined(kernel),
+            kernel,
             element: PhantomData,
             positions: Positions::of::<E, D>(),
             coarse: [[R::zero(); D]; S],

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::{ElementKernel, Formulation, Outlined, Reference};
+use super::{ElementKernel, Formulation, Reference};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, positive};
 use crate::quadrature::Cubature;
@@ -39,7 +39,7 @@ where
     let rigid = lanes().map(|lane| rigid_modes::<R, E, D, S>(&reference, lane));
     let target = size - rigid.max().unwrap_or(0);
     let rank_of = |trial: &F| -> Result<usize> {
-        let kernel = Outlined(trial.kernel(element, &reference, section)?);
+        let kernel = trial.kernel(element, &reference, section)?;
         let ranks = lanes().map(|lane| rank::<R, E, _, D, S>(&kernel, &reference, lane));
         let ranks = ranks.collect::<Result<Vec<_>>>()?;
         Ok(ranks.into_iter().min().unwrap_or(0))

@@ -8,7 +8,7 @@ use super::{ByEnergy, ByForce, Limit, Report};
 use crate::element::{Element, NodalVector, most};
 use crate::error::{Error, Result, positive};
 use crate::formulation::{
-    Continuum, ElementKernel, Formulation, Outlined, Reference, Tangent, mirror, rigid_modes,
+    Continuum, ElementKernel, Formulation, Reference, Tangent, mirror, rigid_modes,
 };
 use crate::section::Section;
 use crate::tensor::array;
@@ -42,10 +42,7 @@ where
     let length = positive("length of the element [m]", length)?;
     let reference = Reference::straight(element, length, tilted());
     formulation.check(element, section)?;
-    let kernel = || {
-        let kernel = formulation.kernel(element, &reference, section);
-        kernel.map(Outlined)
-    };
+    let kernel = || formulation.kernel(element, &reference, section);
     let rest = reference.vectors;
     let mut bench = Bench::<_, E, D, S> {
         element: *element,
@@ -164,6 +161,8 @@ where
         }
     }
 
+    // Kernels are inlined for lanes: here once is enough.
+    #[inline(never)]
     pub(super) fn force(&self, u: &Nodal<D, S>) -> Nodal<D, S> {
         let mut q = [[0.0; D]; S];
         self.kernel().force(u, &mut q);
@@ -177,6 +176,7 @@ where
     }
 
     /// Force and tangent of some kernel in units of energy.
+    #[inline(never)]
     pub(super) fn tangent(
         &self,
         kernel: &impl ElementKernel<f64, D, S>,
