@@ -3,6 +3,7 @@
 
 use ancf::formulation::{CableEnergy, ElementKernel, Inertia, Reference, Tangent};
 use ancf::prelude::*;
+use ancf::verify::ByPoints;
 use num_dual::DualSVec64;
 
 const LENGTH: f64 = 0.3;
@@ -141,6 +142,15 @@ fn check_gradients<K, const D: usize, const S: usize, const N: usize>(
     let mut force = [[0.0; D]; S];
     let mut tangent: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
     kernel.tangent(u, &mut force, &mut tangent);
+    // Over a step that ends here, with viscosity where there are strains.
+    let viscosity = if kernel.has_strain() { 0.1 } else { 0.0 };
+    let from: [[f64; D]; S] = std::array::from_fn(|i| u[S - 1 - i].map(|u| -0.5 * u));
+    let mut dual_secant = [[DualSVec64::<N>::from_re(0.0); D]; S];
+    let before = from.map(|v| v.map(DualSVec64::from_re));
+    kernel.secant(viscosity, &before, &dual, &mut dual_secant);
+    let mut secant_tangent: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
+    kernel.secant_tangent(viscosity, &from, u, &mut secant_tangent);
+    let secant_rows = secant_tangent.as_flattened().as_flattened().as_flattened();
     let force = force.as_flattened();
     let rows = tangent.as_flattened().as_flattened().as_flattened();
     for i in 0..N {
@@ -155,6 +165,12 @@ fn check_gradients<K, const D: usize, const S: usize, const N: usize>(
             assert!(
                 error <= 1e-12 * largest(rows),
                 "{name}: tangent {i}, {j} off by {error}"
+            );
+            let truth = gradient(dual_secant.as_flattened()[i], j);
+            let error = (secant_rows[i * N + j] - truth).abs();
+            assert!(
+                error <= 1e-12 * largest(secant_rows),
+                "{name}: secant tangent {i}, {j} off by {error}"
             );
             let skew = (rows[i * N + j] - rows[j * N + i]).abs();
             assert!(
@@ -188,6 +204,8 @@ macro_rules! in_dimension {
             D * P
         });
         $visit!($check, FullyParameterised, rod, D, P, { D * P });
+        let points = Continuum::full(ByPoints(rubber::<D>(0.3)));
+        $visit!($check, FullyParameterised, points, D, P, { D * P });
         $visit!($check, FullyParameterised, solid, D, P, { D * P });
     }};
 }
