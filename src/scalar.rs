@@ -78,6 +78,14 @@ pub trait Scalar:
     fn plus_product(self, a: Self, b: Self) -> Self {
         self + a * b
     }
+    /// Runs `work` as a function of its own, so that machine code of it exists once, however many
+    /// places it is asked for in. Lanes run it in place, for it must be compiled for their registers;
+    /// hence the closure must be inlined (`#[inline(always)]`), and it is not asked to be one that is
+    /// called once, because those are called by way of a function that is not.
+    #[inline(never)]
+    fn outlined<T>(mut work: impl FnMut() -> T) -> T {
+        work()
+    }
 }
 
 /// A [`Scalar`] with division and elementary functions: what a strain energy may use.

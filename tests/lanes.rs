@@ -2,7 +2,7 @@
 //! at run time and the portable ones agree to rounding, and a chain of elements gives the same in
 //! lanes as element by element, whatever its length and wherever in a group an element falls.
 
-use ancf::formulation::{ElementKernel, Reference, Tangent};
+use ancf::formulation::{ElementKernel, KernelWork, Reference, Tangent};
 use ancf::prelude::*;
 use ancf::scalar::{LaneWork, Lanes};
 use ancf::solver::Matrix;
@@ -133,11 +133,11 @@ fn rows_become_columns_and_rows_again() {
 /// The number of lanes.
 struct Width;
 
-impl<R: Real> LaneWork<R> for Width {
+impl<R: Real, const D: usize, const S: usize> KernelWork<R, D, S> for Width {
     type Output = usize;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> usize {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, _kernels: &[K]) -> usize {
         L::WIDTH
     }
 }

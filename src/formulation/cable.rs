@@ -1,17 +1,17 @@
 //! Cables and shear-rigid beams: an axis with stretching and bending stiffness, no section frame
 //! and no torsion. The literature has two strain energies of this kind under one name; both are
-//! here, each given by its energy alone.
+//! here, with resultants and stiffness in closed form.
 
 use super::change::changes;
 use super::sampled::{Sample, SampledKernel};
-use super::{Formulation, Reference, SectionLaw};
+use super::{Formulation, Reference, SectionLaw, SectionStiffness};
 use crate::element::Element;
 use crate::error::{Error, Result, positive};
 use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::gauss_legendre;
 use crate::scalar::{Algebra, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::dot;
+use crate::tensor::{add_scaled, array, dot};
 
 /// Which strains the energy `1/2 EA eps^2 + 1/2 EI kappa^2` of a cable is made of. They differ by
 /// terms of the size of the axial strain: 0.1 % in the benchmark of Gerstmayr and Irschik (2008).
@@ -179,43 +179,246 @@ pub enum CableSection<R> {
 }
 
 impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
-    #[inline]
+    const LANES: bool = true;
+
+    #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; 2], h: &[[T; D]; 2]) -> T {
         let half = R::lit(0.5);
-        let square0 = dot(&reference[0], &reference[0]);
-        // Reference length per unit of the coordinate X: 1 up to rounding on a straight axis.
-        let length0 = square0.sqrt();
-        let [tangent, bend] = changes(reference, h);
-        let square = dot(&tangent, &tangent);
         match *self {
             Self::Stretching(energy, stiffness) => {
-                let green = square.change.times(half / square0);
-                let strain = match energy {
-                    CableEnergy::GeometricCurvature => green,
-                    // sqrt(1 + 2 E) - 1 without the difference of numbers near one.
-                    CableEnergy::MaterialCurvature => {
-                        let twice = green.times(R::lit(2.0));
-                        twice / (T::one() + (T::one() + twice).sqrt())
-                    }
-                };
-                (strain * strain).times(half * stiffness * length0)
+                let Stretch { strain, unit, .. } = Stretch::of(energy, reference, h);
+                (strain * strain).times(half * stiffness * unit)
             }
             Self::Bending(energy, stiffness) => {
-                let per_length = square.rsqrt();
-                let (scale, unit) = match energy {
-                    CableEnergy::MaterialCurvature => (per_length * per_length, length0.recip()),
-                    CableEnergy::GeometricCurvature => {
-                        (per_length * per_length * per_length, length0)
-                    }
-                };
                 // The square of the curvature, never the curvature: its root has no derivative on
                 // a straight axis.
-                let mut twice = T::zero();
-                for turn in wedge(&tangent, &bend) {
-                    let curvature = (turn * scale).change;
-                    twice += curvature * curvature;
+                let Bend {
+                    curvature, unit, ..
+                } = Bend::of(energy, reference, h);
+                dot(&curvature, &curvature).times(half * stiffness * unit)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; 2], h: &[[T; D]; 2]) -> [[T; D]; 2] {
+        match *self {
+            Self::Stretching(energy, stiffness) => {
+                let stretch = Stretch::of(energy, reference, h);
+                let force = (stretch.strain * stretch.slope).times(stiffness * stretch.unit);
+                [stretch.tangent.map(|c| c * force), [T::zero(); D]]
+            }
+            Self::Bending(energy, stiffness) => {
+                let bend = Bend::of(energy, reference, h);
+                bend.resultants(&bend.moment(stiffness))
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(
+        &self,
+        reference: &[[R; D]; 2],
+        h: &[[T; D]; 2],
+        k: &mut SectionStiffness<T, D, 2>,
+    ) -> [[T; D]; 2] {
+        match *self {
+            Self::Stretching(energy, stiffness) => {
+                let stretch = Stretch::of(energy, reference, h);
+                let Stretch {
+                    tangent,
+                    strain,
+                    slope,
+                    steeper,
+                    unit,
+                } = stretch;
+                let force = (strain * slope).times(stiffness * unit);
+                let along = (slope * slope + strain * steeper).times(stiffness * unit);
+                *k = [[[[T::zero(); D]; D]; 2]; 2];
+                for c in 0..D {
+                    k[0][0][c] = tangent.map(|t| t * tangent[c] * along);
+                    k[0][0][c][c] += force;
                 }
-                twice.times(half * stiffness * unit)
+                [tangent.map(|c| c * force), [T::zero(); D]]
+            }
+            Self::Bending(energy, stiffness) => {
+                let bend = Bend::of(energy, reference, h);
+                let moment = bend.moment(stiffness);
+                bend.add_stiffness(stiffness, &moment, k);
+                bend.resultants(&moment)
+            }
+        }
+    }
+}
+
+/// The axial strain as a function of `x = r'`, with `d strain / dx = slope x` and
+/// `d slope / dx = steeper x`.
+struct Stretch<R, T, const D: usize> {
+    tangent: [T; D],
+    strain: T,
+    slope: T,
+    steeper: T,
+    /// Reference length per unit of the coordinate X: 1 up to rounding on a straight axis.
+    unit: R,
+}
+
+impl<R: Real, T: Algebra<R>, const D: usize> Stretch<R, T, D> {
+    #[inline(always)]
+    fn of(energy: CableEnergy, reference: &[[R; D]; 2], h: &[[T; D]; 2]) -> Self {
+        let square0 = dot(&reference[0], &reference[0]);
+        let [tangent] = changes(&[reference[0]], &[h[0]]);
+        let twice = dot(&tangent, &tangent).change.times(square0.recip());
+        let (strain, slope, steeper) = match energy {
+            CableEnergy::GeometricCurvature => (
+                twice.times(R::lit(0.5)),
+                T::lift(square0.recip()),
+                T::zero(),
+            ),
+            // sqrt(1 + 2 E) - 1 without the difference of numbers near one.
+            CableEnergy::MaterialCurvature => {
+                let square = T::one() + twice;
+                let stretch = square.sqrt();
+                let slope = stretch.recip().times(square0.recip());
+                let steeper = -(slope / square).times(square0.recip());
+                (twice / (T::one() + stretch), slope, steeper)
+            }
+        };
+        Self {
+            tangent: tangent.map(|c| c.value),
+            strain,
+            slope,
+            steeper,
+            unit: square0.sqrt(),
+        }
+    }
+}
+
+/// The curvature `p x x y` as a function of `x = r'` and `y = r''`, with `p` a power of `|x|`,
+/// `dp/dx = slope x` and `d slope / dx = steeper x`.
+struct Bend<R, T, const D: usize> {
+    x: [T; D],
+    y: [T; D],
+    /// `x x y`, in the plane the one component that there is, first.
+    turn: [T; 3],
+    power: T,
+    slope: T,
+    steeper: T,
+    /// Components of the curvature less that of the reference.
+    curvature: [T; 3],
+    unit: R,
+}
+
+impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
+    /// Components of the curvature.
+    const TURNS: usize = if D == 3 { 3 } else { 1 };
+
+    #[inline(always)]
+    fn of(energy: CableEnergy, reference: &[[R; D]; 2], h: &[[T; D]; 2]) -> Self {
+        let length0 = dot(&reference[0], &reference[0]).sqrt();
+        let [tangent, bend] = changes(reference, h);
+        let per_length = dot(&tangent, &tangent).rsqrt();
+        let per_square = per_length * per_length;
+        let (power, exponent, unit) = match energy {
+            CableEnergy::MaterialCurvature => (per_square, 2.0, length0.recip()),
+            CableEnergy::GeometricCurvature => (per_square * per_length, 3.0, length0),
+        };
+        let turns = wedge(&tangent, &bend);
+        let by = |factor: f64, x: T| (x * per_square.value).times(R::lit(factor));
+        let slope = by(-exponent, power.value);
+        let mut curvature = [T::zero(); 3];
+        for m in 0..Self::TURNS {
+            curvature[m] = (turns[m] * power).change;
+        }
+        Self {
+            x: tangent.map(|c| c.value),
+            y: bend.map(|c| c.value),
+            turn: turns.map(|c| c.value),
+            power: power.value,
+            slope,
+            steeper: by(-exponent - 2.0, slope),
+            curvature,
+            unit,
+        }
+    }
+
+    /// What is conjugate to the curvature.
+    #[inline(always)]
+    fn moment(&self, stiffness: R) -> [T; 3] {
+        array(|m| self.curvature[m].times(stiffness * self.unit))
+    }
+
+    /// `sum_m moment_m d curvature_m`.
+    #[inline(always)]
+    fn resultants(&self, moment: &[T; 3]) -> [[T; D]; 2] {
+        let along = self.slope * self.along(moment);
+        let ([by_x, by_y], x) = (self.by_turns(moment), &self.x);
+        [
+            array(|c| by_x[c] * self.power + x[c] * along),
+            by_y.map(|c| c * self.power),
+        ]
+    }
+
+    /// `moment . turn`.
+    #[inline(always)]
+    fn along(&self, moment: &[T; 3]) -> T {
+        let mut sum = moment[0] * self.turn[0];
+        for m in 1..Self::TURNS {
+            sum = sum.plus_product(moment[m], self.turn[m]);
+        }
+        sum
+    }
+
+    /// Derivatives of `moment . (x x y)` by `x` and `y`: `y x moment` and `moment x x`.
+    #[inline(always)]
+    fn by_turns(&self, moment: &[T; 3]) -> [[T; D]; 2] {
+        let beside = |a: &[T; D]| -> [T; D] {
+            let m = moment;
+            array(|c| match (D, c) {
+                (3, _) => a[(c + 1) % D] * m[(c + 2) % 3] - a[(c + 2) % D] * m[(c + 1) % 3],
+                (_, 0) => a[1] * m[0],
+                _ => -(a[0] * m[0]),
+            })
+        };
+        [beside(&self.y), beside(&self.x).map(|c| -c)]
+    }
+
+    /// Writes the second derivatives of the energy.
+    #[inline(always)]
+    fn add_stiffness(&self, stiffness: R, moment: &[T; 3], k: &mut SectionStiffness<T, D, 2>) {
+        let Self { x, power, .. } = *self;
+        let along = self.along(moment);
+        let [by_x, by_y] = self.by_turns(moment);
+        let (own, sides) = (self.slope * along, self.steeper * along);
+        for c in 0..D {
+            for d in 0..D {
+                let bent = (x[c] * by_x[d] + by_x[c] * x[d]) * self.slope;
+                k[0][0][c][d] = bent + x[c] * x[d] * sides;
+                k[0][1][c][d] = x[c] * by_y[d] * self.slope;
+                k[1][1][c][d] = T::zero();
+            }
+            k[0][0][c][c] += own;
+        }
+        // d (y x moment) / dy.
+        let moment: [T; 3] = array(|m| moment[m] * power);
+        if D == 3 {
+            for c in 0..3 {
+                let (e, f) = ((c + 1) % 3, (c + 2) % 3);
+                k[0][1][e % D][f % D] += moment[c];
+                k[0][1][f % D][e % D] -= moment[c];
+            }
+        } else {
+            k[0][1][0][1] += moment[0];
+            k[0][1][1][0] -= moment[0];
+        }
+        for m in 0..Self::TURNS {
+            let unit = array(|n| if n == m { T::one() } else { T::zero() });
+            let [g, f] = self.resultants(&unit);
+            let [stiff_g, stiff_f]: [[T; D]; 2] =
+                [g, f].map(|v| v.map(|c| c.times(stiffness * self.unit)));
+            for c in 0..D {
+                add_scaled(&mut k[0][0][c], stiff_g[c], &g);
+                add_scaled(&mut k[0][1][c], stiff_g[c], &f);
+                add_scaled(&mut k[1][1][c], stiff_f[c], &f);
             }
         }
     }

@@ -184,6 +184,10 @@ impl<T: Scalar> Scalar for Change<T> {
     fn lit(x: f64) -> Self {
         Self::fixed(T::lit(x))
     }
+    #[inline(always)]
+    fn outlined<O>(work: impl FnMut() -> O) -> O {
+        T::outlined(work)
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! One of two kernels, chosen when a scene is assembled: what makes a formulation of several paths a
 //! single type, with one choice per element and none in its arithmetic.
 
-use super::{ElementKernel, Tangent};
-use crate::scalar::{Algebra, LaneWork, Real};
+use super::{ElementKernel, KernelWork, Tangent};
+use crate::scalar::{Algebra, Real};
 
 /// One of two kernels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ where
     B: ElementKernel<R, D, S>,
 {
     #[inline(always)]
-    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
+    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
         of_either!(self.dispatch(work))
     }
 

@@ -8,11 +8,11 @@ use super::basis::Basis;
 use super::point::{first_column, material_frame};
 use super::products::{Products, Vectors, vanishes};
 use super::sampled::Sample;
-use super::{ElementKernel, Reference, Tangent, mirrored};
+use super::{ElementKernel, KernelWork, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, LaneWork, Real};
+use crate::scalar::{Algebra, Real};
 use crate::tensor::{add_scaled, add_times, array, between, sum};
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
@@ -370,8 +370,8 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
     for GramKernel<R, P, D, S>
 {
     #[inline(always)]
-    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        R::dispatch(work)
+    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
+        work.run_in_lanes(self)
     }
 
     #[inline(always)]

@@ -19,6 +19,11 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     Debug + Send + Sync + 'static
 {
+    /// Whether chains of elements take this law in SIMD lanes: some four times faster where every
+    /// function of it down to the arithmetic is inlined (`#[inline(always)]`), slower where one is
+    /// not, and machine code for each kind of register. By default they do not.
+    const LANES: bool = false;
+
     /// Energy per unit length (J/m).
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T;
 
@@ -174,4 +179,94 @@ pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
             false => vectors[a][c].constant(),
         })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formulation::{BeamStiffness, CableEnergy, CableSection, StructuralSection};
+    use crate::tensor::array;
+
+    /// A law reduced to its energy.
+    #[derive(Debug)]
+    struct Energy<L>(L);
+
+    impl<R: Real, L: SectionLaw<R, D, K>, const D: usize, const K: usize> SectionLaw<R, D, K>
+        for Energy<L>
+    {
+        fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
+            self.0.energy(reference, h)
+        }
+    }
+
+    /// Resultants and stiffness against those by dual numbers of the energy, far from the reference,
+    /// which is curved and stretched.
+    fn check<L, const D: usize, const K: usize>(law: L)
+    where
+        L: SectionLaw<f64, D, K> + Copy,
+    {
+        let number = |seed: usize| (1.7 * seed as f64).sin();
+        let reference: [[f64; D]; K] =
+            array(|k| array(|c| number(7 * k + 3 * c + 1) * 0.3 + if c == k { 1.1 } else { 0.0 }));
+        let h: [[f64; D]; K] = array(|k| array(|c| 0.4 * number(5 * k + 11 * c + 2)));
+        let mut stiffness = [[[[[0.0; D]; D]; K]; K]; 2];
+        let [ours, theirs] = &mut stiffness;
+        let resultants = [
+            law.resultants(&reference, &h),
+            Energy(law).resultants(&reference, &h),
+            law.stiffness(&reference, &h, ours),
+            Energy(law).stiffness(&reference, &h, theirs),
+        ];
+        let size = |v: &[f64]| v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let largest = size(resultants[1].as_flattened());
+        assert!(largest > 1e-3);
+        for other in &resultants {
+            for (a, b) in other
+                .as_flattened()
+                .iter()
+                .zip(resultants[1].as_flattened())
+            {
+                assert!((a - b).abs() < 1e-13 * largest, "{law:?}: {a} {b}");
+            }
+        }
+        let largest = size(theirs.as_flattened().as_flattened().as_flattened());
+        for (a, b) in (0..K).flat_map(|a| (a..K).map(move |b| (a, b))) {
+            let pair = [ours[a][b].as_flattened(), theirs[a][b].as_flattened()];
+            for (x, y) in pair[0].iter().zip(pair[1]) {
+                assert!((x - y).abs() < 1e-13 * largest, "{law:?} {a} {b}: {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn closed_forms_of_cables_are_the_derivatives_of_their_energy() {
+        for energy in [
+            CableEnergy::MaterialCurvature,
+            CableEnergy::GeometricCurvature,
+        ] {
+            let stretching = CableSection::Stretching(energy, 2.0);
+            let bending = CableSection::Bending(energy, 3.0);
+            for law in [stretching, bending] {
+                check::<_, 2, 2>(law);
+                check::<_, 3, 2>(law);
+            }
+        }
+    }
+
+    #[test]
+    fn closed_forms_of_rods_are_the_derivatives_of_their_energy() {
+        let stiffness = BeamStiffness {
+            axial: 2.0,
+            shear: [3.0, 1.5],
+            torsion: 0.7,
+            bending: [1.2, 0.4],
+        };
+        for law in [
+            StructuralSection::Rod(stiffness),
+            StructuralSection::Shape(2.0),
+        ] {
+            check::<_, 2, 3>(law);
+            check::<_, 3, 5>(law);
+        }
+    }
 }

@@ -50,7 +50,7 @@ use std::fmt::Debug;
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, LaneWork, Real, Scalar};
+use crate::scalar::{Algebra, LaneWork, Lanes, Real, Scalar};
 use crate::section::Section;
 use crate::tensor::sum;
 
@@ -133,21 +133,67 @@ impl<R: Real, const D: usize, const S: usize> Reference<R, D, S> {
     }
 }
 
+/// Work on elements of one type of kernel, as [`ElementKernel::dispatch`] runs it.
+pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
+    /// What comes out.
+    type Output;
+
+    /// Whether the work holds far more numbers than registers do, as in [`LaneWork::HEAVY`].
+    const HEAVY: bool = false;
+
+    /// Does the work in lanes of one type, with one kernel for all elements or one for each. Must be
+    /// inlined (`#[inline(always)]`), as in [`LaneWork::run`].
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Self::Output;
+
+    /// Does the work one element at a time: compiled once, wherever it is asked for.
+    #[inline(never)]
+    fn run_singly<K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Self::Output {
+        self.run::<R, K>(kernels)
+    }
+
+    /// Does the work in the lanes that suit the processor best, for elements that share a kernel.
+    #[inline]
+    fn run_in_lanes<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
+        R::dispatch(OfKernel { work: self, kernel })
+    }
+}
+
+/// Work with the kernel that it is done with.
+struct OfKernel<'a, W, K, const D: usize, const S: usize> {
+    work: W,
+    kernel: &'a K,
+}
+
+impl<R, W, K, const D: usize, const S: usize> LaneWork<R> for OfKernel<'_, W, K, D, S>
+where
+    R: Real,
+    W: KernelWork<R, D, S>,
+    K: ElementKernel<R, D, S>,
+{
+    type Output = W::Output;
+    const HEAVY: bool = W::HEAVY;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> W::Output {
+        self.work.run::<L, K>(std::slice::from_ref(self.kernel))
+    }
+}
+
 /// Energy, force and tangent of one element with nodal displacements `u` (current minus reference
 /// nodal vectors). Force and tangent are *added* to what they are given.
 ///
 /// A kernel given by its energy alone gets both by dual numbers, one nodal vector at a time.
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
-    Debug + Send + Sync + 'static
+    Debug + Send + Sync + Sized + 'static
 {
-    /// Runs work on a chain of elements that share this kernel: one element after the other, unless
-    /// the kernel hands it to [`Real::dispatch`] for SIMD lanes. Worth it only where every function
+    /// Runs work on elements that share this kernel: one element after the other, unless the kernel
+    /// asks for SIMD lanes by [`KernelWork::run_in_lanes`]. Worth it only where every function
     /// down to the arithmetic is inlined (`#[inline(always)]`): lanes are compiled for the
     /// processor's widest registers inside one function, and what is called from there crosses over
-    /// at a price.
+    /// at a price. A kernel that is one of several hands the work to the one it is.
     #[inline(always)]
-    fn dispatch<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        work.run_singly()
+    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
+        work.run_singly(std::slice::from_ref(self))
     }
 
     /// Strain energy (J) (eq. 10).

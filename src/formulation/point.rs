@@ -88,6 +88,8 @@ where
     R: Real,
     M: Material<R, D>,
 {
+    const LANES: bool = M::LANES;
+
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
         let mut energy = T::zero();

@@ -10,7 +10,7 @@ use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
 use super::relative::Positions;
-use super::{ElementKernel, Reference, Tangent, mirrored};
+use super::{ElementKernel, KernelWork, Reference, Tangent, mirrored};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
@@ -303,34 +303,55 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
+    #[inline(always)]
+    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
+        match L::LANES {
+            true => work.run_in_lanes(self),
+            false => work.run_singly(std::slice::from_ref(self)),
+        }
+    }
+
+    #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let mut v = *u;
-        self.positions.make_relative(&mut v);
-        let mut energy = T::zero();
-        for (law, batches) in &self.parts {
-            for station in batches.iter().flat_map(|batch| &batch.stations) {
-                let density = law.energy(&station.reference, &station.sample(&v));
-                energy = energy.plus_times(station.weight, density);
-            }
-        }
-        energy
-    }
-
-    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        let mut v = *u;
-        self.positions.make_relative(&mut v);
-        let mut f = [[T::zero(); D]; S];
-        for (law, batches) in &self.parts {
-            for batch in batches {
-                for station in &batch.stations {
-                    let n = law.resultants(&station.reference, &station.sample(&v));
-                    station.scatter_force(&n, &mut f);
+        T::outlined(
+            #[inline(always)]
+            || {
+                let mut v = *u;
+                self.positions.make_relative(&mut v);
+                let mut energy = T::zero();
+                for (law, batches) in &self.parts {
+                    for station in batches.iter().flat_map(|batch| &batch.stations) {
+                        let density = law.energy(&station.reference, &station.sample(&v));
+                        energy = energy.plus_times(station.weight, density);
+                    }
                 }
-            }
-        }
-        self.positions.add_force(&f, q);
+                energy
+            },
+        )
     }
 
+    #[inline(always)]
+    fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        T::outlined(
+            #[inline(always)]
+            || {
+                let mut v = *u;
+                self.positions.make_relative(&mut v);
+                let mut f = [[T::zero(); D]; S];
+                for (law, batches) in &self.parts {
+                    for batch in batches {
+                        for station in &batch.stations {
+                            let n = law.resultants(&station.reference, &station.sample(&v));
+                            station.scatter_force(&n, &mut f);
+                        }
+                    }
+                }
+                self.positions.add_force(&f, q);
+            },
+        );
+    }
+
+    #[inline(always)]
     fn tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
@@ -344,39 +365,46 @@ where
         );
     }
 
+    #[inline(always)]
     fn upper_tangent<T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let mut v = *u;
-        self.positions.make_relative(&mut v);
-        let mut f = [[T::zero(); D]; S];
-        for i in 0..S {
-            for row in &mut k[i] {
-                row[i..].fill([T::zero(); D]);
-            }
-        }
-        let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
-        for (law, batches) in &self.parts {
-            for batch in batches {
-                for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
-                    let h = station.sample(&v);
-                    let n = law.stiffness(&station.reference, &h, stiffness);
-                    station.scatter_force(&n, &mut f);
+        T::outlined(
+            #[inline(always)]
+            || {
+                let mut v = *u;
+                self.positions.make_relative(&mut v);
+                let mut f = [[T::zero(); D]; S];
+                for i in 0..S {
+                    for row in &mut k[i] {
+                        row[i..].fill([T::zero(); D]);
+                    }
                 }
-                batch.scatter_stiffness(&stiffness, k);
-            }
-        }
-        self.positions.add_force(&f, q);
-        self.positions.finish_upper(k);
+                let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
+                for (law, batches) in &self.parts {
+                    for batch in batches {
+                        for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
+                            let h = station.sample(&v);
+                            let n = law.stiffness(&station.reference, &h, stiffness);
+                            station.scatter_force(&n, &mut f);
+                        }
+                        batch.scatter_stiffness(&stiffness, k);
+                    }
+                }
+                self.positions.add_force(&f, q);
+                self.positions.finish_upper(k);
+            },
+        );
     }
 
     fn has_strain(&self) -> bool {
         self.parts.iter().all(|(law, _)| law.has_strain())
     }
 
+    #[inline(always)]
     fn secant<T: Algebra<R>>(
         &self,
         viscosity: R,
@@ -384,20 +412,26 @@ where
         to: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
-        let (mut from, mut to) = (*from, *to);
-        self.positions.make_relative(&mut from);
-        self.positions.make_relative(&mut to);
-        let mut relative = [[T::zero(); D]; S];
-        for (law, batches) in &self.parts {
-            for station in batches.iter().flat_map(|batch| &batch.stations) {
-                let (from, to) = (station.sample(&from), station.sample(&to));
-                let n = law.secant(viscosity, &station.reference, &from, &to);
-                station.scatter_force(&n, &mut relative);
-            }
-        }
-        self.positions.add_force(&relative, q);
+        T::outlined(
+            #[inline(always)]
+            || {
+                let (mut from, mut to) = (*from, *to);
+                self.positions.make_relative(&mut from);
+                self.positions.make_relative(&mut to);
+                let mut relative = [[T::zero(); D]; S];
+                for (law, batches) in &self.parts {
+                    for station in batches.iter().flat_map(|batch| &batch.stations) {
+                        let (from, to) = (station.sample(&from), station.sample(&to));
+                        let n = law.secant(viscosity, &station.reference, &from, &to);
+                        station.scatter_force(&n, &mut relative);
+                    }
+                }
+                self.positions.add_force(&relative, q);
+            },
+        );
     }
 
+    #[inline(always)]
     fn secant_tangent<T: Algebra<R>>(
         &self,
         viscosity: R,
@@ -405,19 +439,24 @@ where
         to: &[[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let (mut from, mut to) = (*from, *to);
-        self.positions.make_relative(&mut from);
-        self.positions.make_relative(&mut to);
-        let mut relative = [[[[T::zero(); D]; S]; D]; S];
-        for (law, batches) in &self.parts {
-            for station in batches.iter().flat_map(|batch| &batch.stations) {
-                let (from, to) = (station.sample(&from), station.sample(&to));
-                let reference = &station.reference;
-                let stiffness = law.secant_stiffness(viscosity, reference, &from, &to);
-                station.scatter_all(&stiffness, &mut relative);
-            }
-        }
-        self.positions.add_tangent(relative, k);
+        T::outlined(
+            #[inline(always)]
+            || {
+                let (mut from, mut to) = (*from, *to);
+                self.positions.make_relative(&mut from);
+                self.positions.make_relative(&mut to);
+                let mut relative = [[[[T::zero(); D]; S]; D]; S];
+                for (law, batches) in &self.parts {
+                    for station in batches.iter().flat_map(|batch| &batch.stations) {
+                        let (from, to) = (station.sample(&from), station.sample(&to));
+                        let reference = &station.reference;
+                        let stiffness = law.secant_stiffness(viscosity, reference, &from, &to);
+                        station.scatter_all(&stiffness, &mut relative);
+                    }
+                }
+                self.positions.add_tangent(relative, k);
+            },
+        );
     }
 }
 

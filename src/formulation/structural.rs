@@ -1,19 +1,17 @@
 //! Structural mechanics: the strain energy of a geometrically exact beam (Reissner, Simo) on the
 //! slopes of an ANCF element, after Nachbagauer, Gruber and Gerstmayr (2013). Stiffness is given
-//! by constants, as most benchmarks of beams are; the law is its energy and nothing else.
-
-use num_traits::{One, Zero};
+//! by constants, as most benchmarks of beams are.
 
 use super::change::{Change, changes};
 use super::sampled::{SampledKernel, section_samples};
-use super::{Formulation, Reference, SectionLaw};
+use super::{Formulation, Reference, SectionLaw, SectionStiffness, varied};
 use crate::element::Element;
 use crate::error::{Error, Result, positive};
 use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::{Cubature, gauss_legendre};
-use crate::scalar::{Algebra, Field, Real};
+use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{cross, dot, sum};
+use crate::tensor::{add_scaled, array, cross, dot, sum, times};
 
 /// Stiffness of a beam about its section axes `y` and `z`. In the plane only `axial`, `shear[0]`
 /// and `bending[1]` matter.
@@ -231,71 +229,327 @@ pub enum StructuralSection<R> {
 }
 
 impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for StructuralSection<R> {
-    #[inline]
+    const LANES: bool = true;
+
+    #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {
-        // Reference length per unit of the coordinate X: 1 up to rounding on a straight axis.
-        let length0 = dot(&reference[0], &reference[0]).sqrt();
+        let length0 = unit(reference);
         let half = R::lit(0.5);
         let mut twice = T::zero();
         match self {
             Self::Rod(k) => {
-                let [[axial, sy, sz], [torsion, by, bz]] = [
-                    [k.axial, k.shear[0], k.shear[1]],
-                    [k.torsion, k.bending[0], k.bending[1]],
-                ];
-                let stiffness = [axial, sy, sz, torsion, by, bz];
-                let strains = strains(&changes(reference, h));
-                for (strain, stiffness) in strains.into_iter().zip(stiffness) {
-                    twice += (strain.change * strain.change).times(stiffness);
+                let strains = Rod::of(&changes(reference, h), Change::rsqrt).strains();
+                for (m, stiffness) in k.of_strains::<D>() {
+                    let strain = strains[m].change;
+                    twice = twice.plus_times(stiffness, strain * strain);
                 }
                 // Strains are per reference length: two divisions, and one factor to integrate.
                 twice.times(half / length0)
             }
             Self::Shape(axial) => {
-                for a in 1..D {
-                    for b in a..D {
-                        let middle = |k: usize| {
-                            let half = h[k].map(|c| c.times(half));
-                            sum(&reference[k].map(T::lift), &half)
-                        };
-                        let strain = (dot(&middle(a), &h[b]) + dot(&middle(b), &h[a])).times(half);
-                        let count = if a == b { 1.0 } else { 2.0 };
-                        twice += (strain * strain).times(R::lit(count));
-                    }
+                for (a, b) in pairs::<D>() {
+                    let strain = shape_strain(reference, h, a, b);
+                    let count = if a == b { 1.0 } else { 2.0 };
+                    twice = twice.plus_times(R::lit(count), strain * strain);
                 }
                 twice.times(half * *axial * length0)
             }
         }
     }
+
+    #[inline(always)]
+    fn resultants<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> [[T; D]; K] {
+        let length0 = unit(reference);
+        match self {
+            Self::Rod(k) => {
+                let rod = Rod::of(&changes(reference, h), Change::rsqrt);
+                rod.now().resultants(&rod.forces::<R, D>(k, length0))
+            }
+            Self::Shape(axial) => {
+                let g = current(reference, h);
+                let mut n = [[T::zero(); D]; K];
+                for (a, b) in pairs::<D>() {
+                    let stress = shape_strain(reference, h, a, b).times(*axial * length0);
+                    add_scaled(&mut n[a], stress, &g[b]);
+                    if a != b {
+                        add_scaled(&mut n[b], stress, &g[a]);
+                    }
+                }
+                n
+            }
+        }
+    }
+
+    /// What the change of the strains gives, and what that of their gradients gives: those of a rod by
+    /// dual numbers along the cross slopes, for strains are linear in everything else.
+    #[inline(always)]
+    fn stiffness<T: Algebra<R>>(
+        &self,
+        reference: &[[R; D]; K],
+        h: &[[T; D]; K],
+        k: &mut SectionStiffness<T, D, K>,
+    ) -> [[T; D]; K] {
+        let length0 = unit(reference);
+        *k = [[[[T::zero(); D]; D]; K]; K];
+        match self {
+            Self::Rod(stiffness) => {
+                let rod = Rod::of(&changes(reference, h), Change::rsqrt);
+                let forces = rod.forces::<R, D>(stiffness, length0);
+                let rod = rod.now();
+                for (m, stiffness) in stiffness.of_strains::<D>() {
+                    let along = array(|n| if n == m { T::one() } else { T::zero() });
+                    let gradient: [[T; D]; K] = rod.resultants(&along);
+                    for a in 0..K {
+                        let force = times(stiffness / length0, &gradient[a]);
+                        for b in a..K {
+                            for c in 0..D {
+                                add_scaled(&mut k[a][b][c], force[c], &gradient[b]);
+                            }
+                        }
+                    }
+                }
+                let g = current(reference, h);
+                let fixed = array(|m| forces[m].constant::<D>());
+                for b in 1..D {
+                    let rod = Rod::of(&varied(&g, b), |x: T::Dual<D>| x.sqrt().recip());
+                    let dual: [[T::Dual<D>; D]; K] = rod.resultants(&fixed);
+                    for (a, c) in (0..K).flat_map(|a| (0..D).map(move |c| (a, c))) {
+                        for d in 0..D {
+                            let derivative = T::derivative::<D>(&dual[a][c], d);
+                            match a {
+                                a if a <= b => k[a][b][c][d] += derivative,
+                                a if a >= D => k[b][a][d][c] += derivative,
+                                _ => {}
+                            }
+                        }
+                    }
+                }
+                rod.resultants(&forces)
+            }
+            Self::Shape(axial) => {
+                let g = current(reference, h);
+                let stiffness = *axial * length0;
+                let mut n = [[T::zero(); D]; K];
+                for (a, b) in pairs::<D>() {
+                    let stress = shape_strain(reference, h, a, b).times(stiffness);
+                    add_scaled(&mut n[a], stress, &g[b]);
+                    let share = if a == b {
+                        stiffness
+                    } else {
+                        R::lit(0.5) * stiffness
+                    };
+                    let [left, right] = [a, b].map(|k| times(share, &g[k]));
+                    for c in 0..D {
+                        k[a][b][c][c] += stress;
+                        add_scaled(&mut k[a][b][c], right[c], &g[a]);
+                        if a != b {
+                            add_scaled(&mut k[a][a][c], right[c], &g[b]);
+                            add_scaled(&mut k[b][b][c], left[c], &g[a]);
+                        }
+                    }
+                    if a != b {
+                        add_scaled(&mut n[b], stress, &g[a]);
+                    }
+                }
+                n
+            }
+        }
+    }
 }
 
-/// `e_i . r'` and the components of the curvature in the section frame `e_3 = r_z / |r_z|`, `e_1`
-/// along `r_y x r_z`, `e_2 = e_3 x e_1`, per unit of the coordinate along the axis.
-///
-/// For an orthonormal frame `1/2 sum e_i x e_i'` has the components `-e_2.e_3'`, `e_1.e_3'` and
-/// `e_2.e_1'`, in which the projections of `r_z'` and `(r_y x r_z)'` that make `e_3'` and `e_1'`
-/// drop out. A planar beam is one in space with `r_z` along the normal.
+impl<R: Copy> BeamStiffness<R> {
+    /// With the numbers of the strains that there are in `D` dimensions.
+    #[inline(always)]
+    fn of_strains<const D: usize>(&self) -> impl Iterator<Item = (usize, R)> {
+        let ([sy, sz], [by, bz]) = (self.shear, self.bending);
+        let all = [self.axial, sy, sz, self.torsion, by, bz];
+        let strains = all.into_iter().enumerate();
+        strains.filter(|(m, _)| D == 3 || [0, 1, 5].contains(m))
+    }
+}
+
+/// Reference length per unit of the coordinate X: 1 up to rounding on a straight axis.
 #[inline(always)]
-fn strains<T: Field, const D: usize, const K: usize>(g: &[[Change<T>; D]; K]) -> [Change<T>; 6] {
-    let (zero, one) = (Change::zero(), Change::one());
-    let space = |k: usize| std::array::from_fn(|c| if c < D { g[k][c] } else { zero });
-    let (tangent, y) = (space(0), space(1));
-    let (z, y_turn, z_turn) = match D {
-        2 => ([zero, zero, one], space(2), [zero; 3]),
-        _ => (space(2), space(3), space(4)),
-    };
-    let normal = cross(&y, &z);
-    let turn = sum(&cross(&y_turn, &z), &cross(&y, &z_turn));
-    let (per_z, per_normal) = (dot(&z, &z).rsqrt(), dot(&normal, &normal).rsqrt());
-    let e3 = z.map(|c| c * per_z);
-    let e1 = normal.map(|c| c * per_normal);
-    let e2 = cross(&e3, &e1);
-    [
-        dot(&e1, &tangent),
-        dot(&e2, &tangent),
-        dot(&e3, &tangent),
-        -dot(&e2, &z_turn) * per_z,
-        dot(&e1, &z_turn) * per_z,
-        dot(&e2, &turn) * per_normal,
-    ]
+fn unit<R: Real, const D: usize, const K: usize>(reference: &[[R; D]; K]) -> R {
+    dot(&reference[0], &reference[0]).sqrt()
+}
+
+/// The sampled vectors as they are now.
+#[inline(always)]
+fn current<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
+    reference: &[[R; D]; K],
+    h: &[[T; D]; K],
+) -> [[T; D]; K] {
+    array(|k| array(|c| T::lift(reference[k][c]) + h[k][c]))
+}
+
+/// Pairs of cross axes.
+#[inline(always)]
+fn pairs<const D: usize>() -> impl Iterator<Item = (usize, usize)> {
+    (1..D).flat_map(|a| (a..D).map(move |b| (a, b)))
+}
+
+/// Green-Lagrange strain of the section.
+#[inline(always)]
+fn shape_strain<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
+    reference: &[[R; D]; K],
+    h: &[[T; D]; K],
+    a: usize,
+    b: usize,
+) -> T {
+    let half = R::lit(0.5);
+    let middle =
+        |k: usize| -> [T; D] { array(|c| T::lift(reference[k][c]).plus_times(half, h[k][c])) };
+    (dot(&middle(a), &h[b]) + dot(&middle(b), &h[a])).times(half)
+}
+
+/// A rod in space: the sampled vectors and the section frame `e_3 = r_z / |r_z|`, `e_1` along
+/// `r_y x r_z`, `e_2 = e_3 x e_1`. A planar one has `r_z` along the normal.
+struct Rod<N> {
+    tangent: [N; 3],
+    y: [N; 3],
+    z: [N; 3],
+    y_turn: [N; 3],
+    z_turn: [N; 3],
+    frame: [[N; 3]; 3],
+    /// `(r_y x r_z)'`.
+    turn: [N; 3],
+    per_z: N,
+    per_normal: N,
+}
+
+impl<N: Scalar> Rod<N> {
+    /// The rod with these sampled vectors, and a function for one over the square root.
+    #[inline(always)]
+    fn of<const D: usize, const K: usize>(g: &[[N; D]; K], rsqrt: impl Fn(N) -> N) -> Self {
+        let (zero, one) = (N::zero(), N::one());
+        let space = |k: usize| -> [N; 3] { array(|c| if c < D { g[k][c] } else { zero }) };
+        let (tangent, y) = (space(0), space(1));
+        let (z, y_turn, z_turn) = match D {
+            2 => ([zero, zero, one], space(2), [zero; 3]),
+            _ => (space(2), space(3), space(4)),
+        };
+        let normal = cross(&y, &z);
+        let turn = sum(&cross(&y_turn, &z), &cross(&y, &z_turn));
+        let (per_z, per_normal) = (rsqrt(dot(&z, &z)), rsqrt(dot(&normal, &normal)));
+        let e3 = scaled(per_z, &z);
+        let e1 = scaled(per_normal, &normal);
+        Self {
+            tangent,
+            y,
+            z,
+            y_turn,
+            z_turn,
+            frame: [e1, cross(&e3, &e1), e3],
+            turn,
+            per_z,
+            per_normal,
+        }
+    }
+
+    /// `e_i . r'` and the components of the curvature per unit of the coordinate along the axis.
+    ///
+    /// For an orthonormal frame `1/2 sum e_i x e_i'` has the components `-e_2.e_3'`, `e_1.e_3'` and
+    /// `e_2.e_1'`, in which the projections of `r_z'` and `(r_y x r_z)'` that make `e_3'` and `e_1'`
+    /// drop out.
+    #[inline(always)]
+    fn strains(&self) -> [N; 6] {
+        let [e1, e2, e3] = &self.frame;
+        [
+            dot(e1, &self.tangent),
+            dot(e2, &self.tangent),
+            dot(e3, &self.tangent),
+            -dot(e2, &self.z_turn) * self.per_z,
+            dot(e1, &self.z_turn) * self.per_z,
+            dot(e2, &self.turn) * self.per_normal,
+        ]
+    }
+
+    /// `sum_m forces_m d strains_m` by the sampled vectors, the strains' way back from the last
+    /// operation to the first.
+    #[inline(always)]
+    fn resultants<const D: usize, const K: usize>(&self, forces: &[N; 6]) -> [[N; D]; K] {
+        let [e1, e2, e3] = &self.frame;
+        let [axial, shear_y, shear_z, ..] = *forces;
+        let [about_x, about_y] = [forces[3] * self.per_z, forces[4] * self.per_z];
+        let about_z = forces[5] * self.per_normal;
+        // By the frame, in which the second vector follows from the others.
+        let mut by_e1 = scaled(axial, &self.tangent);
+        add_scaled(&mut by_e1, about_y, &self.z_turn);
+        let mut by_e2 = scaled(shear_y, &self.tangent);
+        add_scaled(&mut by_e2, -about_x, &self.z_turn);
+        add_scaled(&mut by_e2, about_z, &self.turn);
+        let by_e1 = sum(&by_e1, &cross(&by_e2, e3));
+        let by_e3 = sum(&scaled(shear_z, &self.tangent), &cross(e1, &by_e2));
+        // By the vectors that are made unit ones, and by their lengths.
+        let across = |by: &[N; 3], e: &[N; 3], per_length: N, more: N| -> [N; 3] {
+            let mut all = scaled(per_length, by);
+            add_scaled(&mut all, -(dot(e, by) + more) * per_length, e);
+            all
+        };
+        let lengthened = about_z * dot(e2, &self.turn);
+        let by_normal = across(&by_e1, e1, self.per_normal, lengthened);
+        let lengthened = about_y * dot(e1, &self.z_turn) - about_x * dot(e2, &self.z_turn);
+        let mut by_z = across(&by_e3, e3, self.per_z, lengthened);
+        add_scaled(&mut by_z, about_z, &cross(e2, &self.y_turn));
+        let by_z = sum(&by_z, &cross(&by_normal, &self.y));
+        let mut by_y = cross(&self.z, &by_normal);
+        add_scaled(&mut by_y, about_z, &cross(&self.z_turn, e2));
+        let mut by_tangent = scaled(axial, e1);
+        add_scaled(&mut by_tangent, shear_y, e2);
+        add_scaled(&mut by_tangent, shear_z, e3);
+        let by_y_turn = scaled(about_z, &cross(&self.z, e2));
+        let mut by_z_turn = scaled(about_y, e1);
+        add_scaled(&mut by_z_turn, -about_x, e2);
+        add_scaled(&mut by_z_turn, about_z, &cross(e2, &self.y));
+        array(|k| {
+            let by = match (D, k) {
+                (_, 0) => &by_tangent,
+                (_, 1) => &by_y,
+                (2, _) | (_, 3) => &by_y_turn,
+                (_, 2) => &by_z,
+                _ => &by_z_turn,
+            };
+            array(|c| by[c])
+        })
+    }
+}
+
+impl<T: Field> Rod<Change<T>> {
+    /// The rod as it is now.
+    #[inline(always)]
+    fn now(&self) -> Rod<T> {
+        let value = |v: &[Change<T>; 3]| -> [T; 3] { array(|c| v[c].value) };
+        Rod {
+            tangent: value(&self.tangent),
+            y: value(&self.y),
+            z: value(&self.z),
+            y_turn: value(&self.y_turn),
+            z_turn: value(&self.z_turn),
+            frame: array(|i| value(&self.frame[i])),
+            turn: value(&self.turn),
+            per_z: self.per_z.value,
+            per_normal: self.per_normal.value,
+        }
+    }
+
+    /// What is conjugate to the strains.
+    #[inline(always)]
+    fn forces<R: Real, const D: usize>(&self, stiffness: &BeamStiffness<R>, length0: R) -> [T; 6]
+    where
+        T: Algebra<R>,
+    {
+        let strains = self.strains();
+        let mut forces = [T::zero(); 6];
+        for (m, stiffness) in stiffness.of_strains::<D>() {
+            forces[m] = strains[m].change.times(stiffness / length0);
+        }
+        forces
+    }
+}
+
+/// `k x`.
+#[inline(always)]
+fn scaled<N: Scalar>(k: N, x: &[N; 3]) -> [N; 3] {
+    array(|c| k * x[c])
 }

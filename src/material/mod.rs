@@ -53,6 +53,10 @@ impl<R: Real, const D: usize> Moduli<R, D> {
 /// All tensors are `D x D` component arrays in the material frame (axis first). Energies are
 /// densities per reference volume (J/m^3), stresses second Piola-Kirchhoff (Pa).
 pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'static {
+    /// Whether chains of elements take this material in SIMD lanes where they sample it, as in
+    /// [`SectionLaw::LANES`](crate::formulation::SectionLaw::LANES). By default they do not.
+    const LANES: bool = false;
+
     /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012), as a function of all
     /// `D x D` components of the symmetric strain.
     fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T;

@@ -144,6 +144,10 @@ impl<T: Field, const N: usize> Scalar for Jet<T, N> {
     fn lit(x: f64) -> Self {
         Self::constant(T::lit(x))
     }
+    #[inline(always)]
+    fn outlined<O>(work: impl FnMut() -> O) -> O {
+        T::outlined(work)
+    }
 }
 impl<T: Field, const N: usize> Field for Jet<T, N> {
     #[inline(always)]

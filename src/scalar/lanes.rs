@@ -156,6 +156,10 @@ macro_rules! lanes {
             fn lit(x: f64) -> Self {
                 Self::lift(x as $r)
             }
+            #[inline(always)]
+            fn outlined<O>(mut work: impl FnMut() -> O) -> O {
+                work()
+            }
         }
         impl Field for $t {
             #[inline(always)]

@@ -115,6 +115,10 @@ impl<L: Field, const C: usize> Scalar for Wide<L, C> {
             |m| self.0[m].plus_product(a.0[m], b.0[m]),
         ))
     }
+    #[inline(always)]
+    fn outlined<O>(work: impl FnMut() -> O) -> O {
+        L::outlined(work)
+    }
 }
 macro_rules! by_map {
     ($($function:ident)*) => {$(

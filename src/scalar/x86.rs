@@ -140,6 +140,10 @@ macro_rules! register {
             fn plus_product(self, a: Self, b: Self) -> Self {
                 Self(unsafe { $fused(a.0, b.0, self.0) })
             }
+            #[inline(always)]
+            fn outlined<O>(mut work: impl FnMut() -> O) -> O {
+                work()
+            }
         }
         impl Field for $t {
             #[inline(always)]

@@ -157,9 +157,11 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                     let along = length * share * R::lit(n as f64);
                     std::array::from_fn(|c| from[c] + along * frame[0][c])
                 };
+                let (kernel, link) = self.link(reference)?;
                 let chain = Chain {
                     element: self.element,
-                    links: vec![self.link(reference)?],
+                    kernels: vec![kernel],
+                    links: vec![link],
                     starts: (0..elements).map(start).collect(),
                     offset,
                 };
@@ -174,12 +176,16 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                     nodes.push(checked(s, curve(s))?);
                 }
                 let mut links = Vec::with_capacity(elements);
+                let mut kernels = Vec::with_capacity(elements);
                 for nodes in nodes.windows(E::NODES).step_by(E::NODES - 1) {
-                    links.push(self.link(bent(&self.element, length * share, nodes)?)?);
+                    let (kernel, link) = self.link(bent(&self.element, length * share, nodes)?)?;
+                    kernels.push(kernel);
+                    links.push(link);
                 }
                 let start = |n: usize| nodes[n * (E::NODES - 1)].0;
                 let chain = Chain {
                     element: self.element,
+                    kernels,
                     links,
                     starts: (0..elements).map(start).collect(),
                     offset,
@@ -212,20 +218,21 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
     fn link<const S: usize>(
         &self,
         reference: Reference<R, D, S>,
-    ) -> Result<Link<R, F::Kernel, D, S>>
+    ) -> Result<(F::Kernel, Link<R, D, S>)>
     where
         E: Element<D, S>,
         F: Formulation<R, E, D, S>,
         X: Section<R>,
     {
         let inertia = |density| Inertia::new(&self.element, &reference, &self.section, density);
-        Ok(Link {
-            kernel: self
-                .formulation
-                .kernel(&self.element, &reference, &self.section)?,
+        let kernel = self
+            .formulation
+            .kernel(&self.element, &reference, &self.section)?;
+        let link = Link {
             inertia: self.density.map(inertia).transpose()?,
             reference,
-        })
+        };
+        Ok((kernel, link))
     }
 }
 

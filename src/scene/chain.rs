@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Inertia, Reference};
+use crate::formulation::{ElementKernel, Inertia, KernelWork, Reference};
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::{BandMatrix, Matrix};
 use crate::tensor::sum;
@@ -19,19 +19,26 @@ use works::{Acceleration, Force, Secant, SecantStiffness, Stiffness};
 #[derive(Debug)]
 pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
     pub(super) element: E,
-    /// One link for all elements of a straight beam, one for each of a curved one.
-    pub(super) links: Vec<Link<R, Kn, D, S>>,
+    /// One kernel for all elements of a straight beam, one for each of a curved one.
+    pub(super) kernels: Vec<Kn>,
+    /// As many.
+    pub(super) links: Vec<Link<R, D, S>>,
     /// Position of the first node of each element.
     pub(super) starts: Vec<[R; D]>,
     pub(super) offset: usize,
 }
 
-/// What one element of a chain is made of.
+/// What else one element of a chain is made of.
 #[derive(Debug)]
-pub(super) struct Link<R, Kn, const D: usize, const S: usize> {
-    pub(super) kernel: Kn,
+pub(super) struct Link<R, const D: usize, const S: usize> {
     pub(super) inertia: Option<Inertia<R, S>>,
     pub(super) reference: Reference<R, D, S>,
+}
+
+/// What belongs to an element, where one may stand for all.
+#[inline(always)]
+fn of<T>(all: &[T], element: usize) -> &T {
+    &all[element.min(all.len() - 1)]
 }
 
 /// What the system asks of a body. Everything is added to what is given.
@@ -194,8 +201,8 @@ where
     const STRIDE: usize = (E::NODES - 1) * E::VECTORS.len() * D;
 
     #[inline(always)]
-    fn link(&self, element: usize) -> &Link<R, Kn, D, S> {
-        &self.links[element.min(self.links.len() - 1)]
+    fn link(&self, element: usize) -> &Link<R, D, S> {
+        of(&self.links, element)
     }
 
     fn range(&self, element: usize) -> Range<usize> {
@@ -212,21 +219,21 @@ where
 
     /// Runs work on all elements, in lanes of equal ones where the kernel is made for it.
     #[inline(always)]
-    fn run<W: LaneWork<R>>(&self, work: W) -> W::Output {
-        match &self.links[..] {
-            [link] => link.kernel.dispatch(work),
-            _ => work.run_singly(),
+    fn run<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
+        match &self.kernels[..] {
+            [kernel] => kernel.dispatch(work),
+            kernels => work.run_singly(kernels),
         }
     }
 
-    /// Calls `each` for groups of elements that fill the lanes: with the elements, what they are made
-    /// of and their nodal vectors in each of `sources`. The last group is filled up by its last
+    /// Calls `each` for groups of elements that fill the lanes: with the elements, what links them
+    /// and their nodal vectors in each of `sources`. The last group is filled up by its last
     /// element, so that all elements see the same arithmetic.
     #[inline(always)]
     fn groups<L: Lanes<R>, const N: usize>(
         &self,
         sources: [&[R]; N],
-        mut each: impl FnMut(Range<usize>, &Link<R, Kn, D, S>, &[[[L; D]; S]; N]),
+        mut each: impl FnMut(Range<usize>, &Link<R, D, S>, &[[[L; D]; S]; N]),
     ) {
         let count = self.starts.len();
         for first in (0..count).step_by(L::WIDTH) {
@@ -254,7 +261,7 @@ where
     Kn: ElementKernel<R, D, S>,
 {
     fn energy(&self, u: &[R]) -> R {
-        let energy = |n| self.link(n).kernel.energy(&self.gather(n, u));
+        let energy = |n| of(&self.kernels, n).energy(&self.gather(n, u));
         (0..self.starts.len()).map(energy).sum()
     }
 
@@ -272,7 +279,7 @@ where
     }
 
     fn has_strain(&self) -> bool {
-        self.links.iter().all(|link| link.kernel.has_strain())
+        self.kernels.iter().all(ElementKernel::has_strain)
     }
 
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
@@ -294,12 +301,16 @@ where
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
-        self.run(Acceleration {
+        let work = Acceleration {
             chain: self,
             factor,
             a,
             out,
-        });
+        };
+        match &self.links[..] {
+            [_] => R::dispatch(work),
+            _ => work.run_singly(),
+        }
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {

@@ -47,6 +47,8 @@ impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByStress<M> 
 pub struct ByPoints<M>(pub M);
 
 impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for ByPoints<M> {
+    const LANES: bool = M::LANES;
+
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
         self.0.energy(strain)

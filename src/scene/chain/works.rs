@@ -1,10 +1,10 @@
 //! What a chain does with all its elements: work that gathers their displacements, runs their kernels,
 //! in lanes where the processor has them, and adds what comes out to vectors and matrices.
 
-use super::Chain;
+use super::{Chain, of};
 use crate::element::Element;
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Tangent, mirror};
+use crate::formulation::{ElementKernel, KernelWork, Tangent, mirror};
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::Matrix;
 use crate::tensor::add_times;
@@ -16,7 +16,8 @@ pub(super) struct Force<'a, C, R> {
     pub(super) q: &'a mut [R],
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Force<'_, Chain<R, E, Kn, D, S>, R>
+impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
+    for Force<'_, Chain<R, E, Kn, D, S>, R>
 where
     R: Real,
     E: Element<D, S>,
@@ -25,14 +26,14 @@ where
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) {
         let Self { chain, u, q } = self;
         chain.groups::<L, 1>(
             [u],
             #[inline(always)]
-            |elements, link, [u]| {
+            |elements, _, [u]| {
                 let mut force = [[L::zero(); D]; S];
-                link.kernel.force(u, &mut force);
+                of(kernels, elements.start).force(u, &mut force);
                 L::scatter(force.as_flattened(), q, chain.starts_in(elements));
             },
         );
@@ -92,7 +93,7 @@ pub(super) struct Stiffness<'a, C, R> {
     pub(super) k: &'a mut Matrix<R>,
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
+impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
     for Stiffness<'_, Chain<R, E, Kn, D, S>, R>
 where
     R: Real,
@@ -103,7 +104,7 @@ where
     const HEAVY: bool = true;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> Result<()> {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
         let Self { chain, u, mass, k } = self;
         let mut result = Ok(());
         let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
@@ -112,7 +113,7 @@ where
             #[inline(always)]
             |elements, link, [u]| {
                 let mut force = [[L::zero(); D]; S];
-                link.kernel.upper_tangent(u, &mut force, &mut tangent);
+                of(kernels, elements.start).upper_tangent(u, &mut force, &mut tangent);
                 if let (Some(share), Some(inertia)) = (mass, &link.inertia) {
                     for i in 0..S {
                         for j in i..S {
@@ -143,7 +144,8 @@ pub(super) struct Secant<'a, C, R> {
     pub(super) q: &'a mut [R],
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R> for Secant<'_, Chain<R, E, Kn, D, S>, R>
+impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
+    for Secant<'_, Chain<R, E, Kn, D, S>, R>
 where
     R: Real,
     E: Element<D, S>,
@@ -153,14 +155,14 @@ where
     const HEAVY: bool = true;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) {
         let (chain, q) = (self.chain, self.q);
         chain.groups::<L, 2>(
             self.ends,
             #[inline(always)]
-            |elements, link, [from, to]| {
+            |elements, _, [from, to]| {
                 let mut force = [[L::zero(); D]; S];
-                link.kernel.secant(self.viscosity, from, to, &mut force);
+                of(kernels, elements.start).secant(self.viscosity, from, to, &mut force);
                 L::scatter(force.as_flattened(), q, chain.starts_in(elements));
             },
         );
@@ -175,7 +177,7 @@ pub(super) struct SecantStiffness<'a, C, R> {
     pub(super) k: &'a mut Matrix<R>,
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
+impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
     for SecantStiffness<'_, Chain<R, E, Kn, D, S>, R>
 where
     R: Real,
@@ -186,16 +188,15 @@ where
     const HEAVY: bool = true;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> Result<()> {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
         let (chain, k) = (self.chain, self.k);
         let mut result = Ok(());
         chain.groups::<L, 2>(
             self.ends,
             #[inline(always)]
-            |elements, link, [from, to]| {
+            |elements, _, [from, to]| {
                 let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-                link.kernel
-                    .secant_tangent(self.viscosity, from, to, &mut tangent);
+                of(kernels, elements.start).secant_tangent(self.viscosity, from, to, &mut tangent);
                 if result.is_ok() {
                     result = add_lanes(k, &tangent, chain.starts_in(elements));
                 }
