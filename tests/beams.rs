@@ -23,6 +23,7 @@ mod sampling;
 mod sensitivity;
 mod statics;
 mod structural;
+mod threads;
 mod topology;
 mod verify;
 mod welds;

@@ -1,6 +1,7 @@
 //! A body of the system: a chain of elements of one family behind one dynamic call per evaluation, so
 //! that the loop over elements is monomorphic in element, formulation and number type.
 
+mod shares;
 mod works;
 
 use std::fmt::Debug;
@@ -9,9 +10,10 @@ use std::ops::Range;
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, KernelWork, Reference};
-use crate::scalar::{LaneWork, Lanes, Real};
+use crate::scalar::{Lanes, Real};
 use crate::solver::{BandMatrix, Matrix};
 use crate::tensor::sum;
+use shares::{Numbers, Task};
 use works::{Acceleration, Force, Secant, SecantStiffness, Stiffness};
 
 /// Elements in a row that share their end nodes. Coordinates are contiguous: element `n` reads one
@@ -226,18 +228,18 @@ where
         }
     }
 
-    /// Calls `each` for groups of elements that fill the lanes: with the elements, what links them
+    /// Calls `each` for groups of some elements that fill the lanes: with the elements, what links them
     /// and their nodal vectors in each of `sources`. The last group is filled up by its last
     /// element, so that all elements see the same arithmetic.
     #[inline(always)]
     fn groups<L: Lanes<R>, const N: usize>(
         &self,
+        elements: Range<usize>,
         sources: [&[R]; N],
         mut each: impl FnMut(Range<usize>, &Link<R, D, S>, &[[[L; D]; S]; N]),
     ) {
-        let count = self.starts.len();
-        for first in (0..count).step_by(L::WIDTH) {
-            let last = count.min(first + L::WIDTH) - 1;
+        for first in elements.clone().step_by(L::WIDTH) {
+            let last = elements.end.min(first + L::WIDTH) - 1;
             let mut columns = [[[L::zero(); D]; S]; N];
             let start = |lane: usize| self.range(last.min(first + lane)).start;
             for (columns, source) in columns.iter_mut().zip(sources) {
@@ -245,6 +247,29 @@ where
             }
             each(first..last + 1, self.link(first), &columns);
         }
+    }
+
+    /// Adds the forces of a group of elements.
+    #[inline(always)]
+    fn scatter<L: Lanes<R>>(
+        &self,
+        force: &[[L; D]; S],
+        elements: Range<usize>,
+        q: &mut Numbers<'_, R>,
+    ) {
+        let (start, first) = (self.starts_in(elements), q.first);
+        let start = |lane| start(lane).map(|coordinate| coordinate - first);
+        L::scatter(force.as_flattened(), q.numbers, start);
+    }
+
+    /// Has a task add to all numbers of the system.
+    fn share_numbers<T>(&self, task: &T, numbers: &mut [R])
+    where
+        T: for<'o> Task<R, D, S, Out<'o> = Numbers<'o, R>>,
+    {
+        let mut all = Numbers { first: 0, numbers };
+        // Nothing that adds to numbers can fail.
+        let _ = self.share(task, 0..self.starts.len(), &mut all);
     }
 
     /// The first coordinate of each of a group's elements, by lanes.
@@ -266,16 +291,12 @@ where
     }
 
     fn force(&self, u: &[R], q: &mut [R]) {
-        self.run(Force { chain: self, u, q });
+        self.share_numbers(&Force { chain: self, u }, q);
     }
 
     fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
-        self.run(Stiffness {
-            chain: self,
-            u,
-            mass,
-            k,
-        })
+        let chain = self;
+        self.share_matrix(&Stiffness { chain, u, mass }, k)
     }
 
     fn has_strain(&self) -> bool {
@@ -283,34 +304,26 @@ where
     }
 
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]) {
-        self.run(Secant {
+        let task = Secant {
             chain: self,
             viscosity,
             ends: [from, to],
-            q,
-        });
+        };
+        self.share_numbers(&task, q);
     }
 
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()> {
-        self.run(SecantStiffness {
+        let task = SecantStiffness {
             chain: self,
             viscosity,
             ends: [from, to],
-            k,
-        })
+        };
+        self.share_matrix(&task, k)
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
-        let work = Acceleration {
-            chain: self,
-            factor,
-            a,
-            out,
-        };
-        match &self.links[..] {
-            [_] => R::dispatch(work),
-            _ => work.run_singly(),
-        }
+        let chain = self;
+        self.share_numbers(&Acceleration { chain, factor, a }, out);
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {

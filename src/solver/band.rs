@@ -29,6 +29,7 @@ mod profile;
 
 pub(super) use ldlt::{GROWTH, NOISE};
 pub use matrix::BandMatrix;
+pub(super) use matrix::Lines;
 pub use profile::Profile;
 
 use super::sparse::{SparseLdlt, SparseMatrix};

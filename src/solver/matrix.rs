@@ -1,6 +1,7 @@
 //! A matrix that is written by coordinates and stored by unknowns: elements and loads add to the
 //! coordinates they know, and what follows from other coordinates goes where those are.
 
+use super::band::Lines;
 use super::stored::Stored;
 use super::unknowns::{Combination, Unknowns};
 use crate::error::{Error, Result};
@@ -191,6 +192,30 @@ impl<R: Real> Matrix<R> {
         }
     }
 
+    /// How many coordinates from this one on are unknowns in a row.
+    pub(crate) fn in_a_row(&self, coordinate: usize) -> usize {
+        self.unknowns.in_a_row(coordinate)
+    }
+
+    /// The rows of `count` coordinates that are unknowns in a row, stored in an envelope.
+    ///
+    /// # Errors
+    /// [`Error::OutsideProfile`](crate::Error::OutsideProfile) where they are not.
+    pub(crate) fn rows(&mut self, coordinate: usize, count: usize) -> Result<Rows<'_, R>> {
+        let first = self.unknowns.run(coordinate, count);
+        let (Some(first), Some(envelope)) = (first, self.stored.envelope()) else {
+            return Err(Error::OutsideProfile {
+                row: coordinate + count,
+                column: coordinate,
+            });
+        };
+        Ok(Rows {
+            lines: envelope.lines(first + count),
+            coordinate,
+            first,
+        })
+    }
+
     /// Adds `alpha * other`.
     ///
     /// # Errors
@@ -198,6 +223,50 @@ impl<R: Real> Matrix<R> {
     /// store the same triangles.
     pub fn scale_add(&mut self, alpha: R, other: &Self) -> Result<()> {
         self.stored.scale_add(alpha, &other.stored)
+    }
+}
+
+/// Rows of a [`Matrix`] whose coordinates are unknowns in a row: what one thread may write while others
+/// write the rest.
+pub(crate) struct Rows<'a, R: Real> {
+    lines: Lines<'a, R>,
+    /// The first coordinate, and the unknown that it is.
+    coordinate: usize,
+    first: usize,
+}
+
+impl<R: Real> Rows<'_, R> {
+    /// Those before and from a coordinate on.
+    pub(crate) fn halves(&mut self, coordinate: usize) -> (Rows<'_, R>, Rows<'_, R>) {
+        let Self {
+            lines,
+            coordinate: start,
+            first,
+        } = self;
+        let (left, right) = lines.halves(coordinate - *start + *first);
+        let rows = |lines| Rows {
+            lines,
+            coordinate: *start,
+            first: *first,
+        };
+        (rows(left), rows(right))
+    }
+
+    pub(crate) fn is_symmetric(&self) -> bool {
+        self.lines.is_symmetric()
+    }
+
+    /// As [`Matrix::add_blocks`], of elements whose coordinates are among these.
+    #[inline(always)]
+    pub(crate) fn add_blocks<L: Lanes<R>>(
+        &mut self,
+        n: usize,
+        block: &[L],
+        start: impl Fn(usize) -> Option<usize>,
+    ) -> Result<()> {
+        let (first, coordinate) = (self.first, self.coordinate);
+        let unknown = |lane| start(lane).map(|start| start - coordinate + first);
+        self.lines.add_blocks(n, block, unknown)
     }
 }
 

@@ -28,6 +28,7 @@ pub use checkpoint::Checkpoint;
 pub use continuation::Continuation;
 pub use critical::{Critical, Criticality};
 pub use matrix::Matrix;
+pub(crate) use matrix::Rows;
 pub use modes::{Mode, Modes};
 pub(crate) use newton::{Equations, Rest, Sample, Workspace, norm};
 pub use newton::{Newton, Refresh, Solved};

@@ -304,6 +304,11 @@ impl<R: Real> Unknowns<R> {
         }
     }
 
+    /// How many coordinates from this one on are unknowns in a row.
+    pub(super) fn in_a_row(&self, coordinate: usize) -> usize {
+        self.tables.runs[coordinate]
+    }
+
     /// The first unknown of `n` coordinates from `offset` on, if they are unknowns in a row.
     #[inline]
     pub(super) fn run(&self, offset: usize, n: usize) -> Option<usize> {

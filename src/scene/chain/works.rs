@@ -1,72 +1,91 @@
-//! What a chain does with all its elements: work that gathers their displacements, runs their kernels,
-//! in lanes where the processor has them, and adds what comes out to vectors and matrices.
+//! What a chain does with all its elements: tasks that gather their displacements, run their kernels,
+//! in lanes where the processor has them, and add what comes out to vectors and matrices.
 
+use std::ops::Range;
+
+use super::shares::{Numbers, Sink, Task};
 use super::{Chain, of};
 use crate::element::Element;
 use crate::error::Result;
-use crate::formulation::{ElementKernel, KernelWork, Tangent, mirror};
-use crate::scalar::{LaneWork, Lanes, Real};
+use crate::formulation::{ElementKernel, Tangent, mirror};
+use crate::scalar::{Lanes, Real};
 use crate::solver::Matrix;
 use crate::tensor::add_times;
+
+/// A task of a chain that adds to `Numbers` or to a `Sink`.
+macro_rules! task {
+    ($task:ident, $out:ident, $heavy:literal, |$self:ident, $kernels:ident, $elements:ident, $sink:ident| $add:block) => {
+        impl<R, E, Kn, const D: usize, const S: usize> Task<R, D, S>
+            for $task<'_, Chain<R, E, Kn, D, S>, R>
+        where
+            R: Real,
+            E: Element<D, S>,
+            Kn: ElementKernel<R, D, S>,
+        {
+            type Out<'o> = $out<'o, R>;
+            const HEAVY: bool = $heavy;
+
+            fn halves<'h>(
+                out: &'h mut $out<'_, R>,
+                coordinate: usize,
+            ) -> Option<($out<'h, R>, $out<'h, R>)> {
+                task!(@halves $out, out, coordinate)
+            }
+
+            #[inline(always)]
+            fn add<L: Lanes<R>, K: ElementKernel<R, D, S>>(
+                &$self,
+                $kernels: &[K],
+                $elements: Range<usize>,
+                $sink: &mut $out<'_, R>,
+            ) -> Result<()> $add
+        }
+    };
+    (@halves Numbers, $out:ident, $coordinate:ident) => {
+        Some($out.halves($coordinate))
+    };
+    (@halves Sink, $out:ident, $coordinate:ident) => {
+        $out.halves($coordinate)
+    };
+}
 
 /// Adds the elastic forces of a chain's elements.
 pub(super) struct Force<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) u: &'a [R],
-    pub(super) q: &'a mut [R],
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
-    for Force<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) {
-        let Self { chain, u, q } = self;
-        chain.groups::<L, 1>(
-            [u],
-            #[inline(always)]
-            |elements, _, [u]| {
-                let mut force = [[L::zero(); D]; S];
-                of(kernels, elements.start).force(u, &mut force);
-                L::scatter(force.as_flattened(), q, chain.starts_in(elements));
-            },
-        );
-    }
-}
+task!(Force, Numbers, false, |self, kernels, elements, q| {
+    let chain = self.chain;
+    chain.groups::<L, 1>(
+        elements,
+        [self.u],
+        #[inline(always)]
+        |elements, _, [u]| {
+            let mut force = [[L::zero(); D]; S];
+            of(kernels, elements.start).force(u, &mut force);
+            chain.scatter(&force, elements, q);
+        },
+    );
+    Ok(())
+});
 
 /// Adds the mass matrices of a chain's elements times accelerations.
 pub(super) struct Acceleration<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) factor: R,
     pub(super) a: &'a [R],
-    pub(super) out: &'a mut [R],
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> LaneWork<R>
-    for Acceleration<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let Self {
-            chain,
-            factor,
-            a,
-            out,
-        } = self;
+task!(
+    Acceleration,
+    Numbers,
+    false,
+    |self, _kernels, elements, out| {
+        let chain = self.chain;
         chain.groups::<L, 1>(
-            [a],
+            elements,
+            [self.a],
             #[inline(always)]
             |elements, link, [a]| {
                 let Some(inertia) = &link.inertia else { return };
@@ -75,146 +94,116 @@ where
                     for j in 0..S {
                         // Sections about their centroid couple positions with no slope across.
                         if !inertia.mass[i][j].is_nothing() {
-                            add_times(&mut force[i], factor * inertia.mass[i][j], &a[j]);
+                            add_times(&mut force[i], self.factor * inertia.mass[i][j], &a[j]);
                         }
                     }
                 }
-                L::scatter(force.as_flattened(), out, chain.starts_in(elements));
+                chain.scatter(&force, elements, out);
             },
         );
+        Ok(())
     }
-}
+);
 
 /// Adds the tangents of a chain's elements, with a share of their mass where that is wanted.
 pub(super) struct Stiffness<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) u: &'a [R],
     pub(super) mass: Option<R>,
-    pub(super) k: &'a mut Matrix<R>,
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
-    for Stiffness<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = Result<()>;
-    const HEAVY: bool = true;
-
-    #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
-        let Self { chain, u, mass, k } = self;
-        let mut result = Ok(());
-        let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-        chain.groups::<L, 1>(
-            [u],
-            #[inline(always)]
-            |elements, link, [u]| {
-                let mut force = [[L::zero(); D]; S];
-                of(kernels, elements.start).upper_tangent(u, &mut force, &mut tangent);
-                if let (Some(share), Some(inertia)) = (mass, &link.inertia) {
-                    for i in 0..S {
-                        for j in i..S {
-                            let m = L::lift(share * inertia.mass[i][j]);
-                            for c in 0..D {
-                                tangent[i][c][j][c] += m;
-                            }
+task!(Stiffness, Sink, true, |self, kernels, elements, k| {
+    let chain = self.chain;
+    let mut result = Ok(());
+    let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+    chain.groups::<L, 1>(
+        elements,
+        [self.u],
+        #[inline(always)]
+        |elements, link, [u]| {
+            let mut force = [[L::zero(); D]; S];
+            of(kernels, elements.start).upper_tangent(u, &mut force, &mut tangent);
+            if let (Some(share), Some(inertia)) = (self.mass, &link.inertia) {
+                for i in 0..S {
+                    for j in i..S {
+                        let m = L::lift(share * inertia.mass[i][j]);
+                        for c in 0..D {
+                            tangent[i][c][j][c] += m;
                         }
                     }
                 }
-                if !k.stored().is_symmetric() {
-                    mirror(&mut tangent);
-                }
-                if result.is_ok() {
-                    result = add_lanes(k, &tangent, chain.starts_in(elements));
-                }
-            },
-        );
-        result
-    }
-}
+            }
+            if !k.is_symmetric() {
+                mirror(&mut tangent);
+            }
+            if result.is_ok() {
+                result = add_lanes(k, &tangent, chain.starts_in(elements));
+            }
+        },
+    );
+    result
+});
 
 /// Adds the secant forces of a chain's elements.
 pub(super) struct Secant<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) viscosity: R,
     pub(super) ends: [&'a [R]; 2],
-    pub(super) q: &'a mut [R],
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
-    for Secant<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = ();
-    const HEAVY: bool = true;
-
-    #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) {
-        let (chain, q) = (self.chain, self.q);
-        chain.groups::<L, 2>(
-            self.ends,
-            #[inline(always)]
-            |elements, _, [from, to]| {
-                let mut force = [[L::zero(); D]; S];
-                of(kernels, elements.start).secant(self.viscosity, from, to, &mut force);
-                L::scatter(force.as_flattened(), q, chain.starts_in(elements));
-            },
-        );
-    }
-}
+task!(Secant, Numbers, true, |self, kernels, elements, q| {
+    let chain = self.chain;
+    chain.groups::<L, 2>(
+        elements,
+        self.ends,
+        #[inline(always)]
+        |elements, _, [from, to]| {
+            let mut force = [[L::zero(); D]; S];
+            of(kernels, elements.start).secant(self.viscosity, from, to, &mut force);
+            chain.scatter(&force, elements, q);
+        },
+    );
+    Ok(())
+});
 
 /// Adds the derivatives of a chain's secant forces.
 pub(super) struct SecantStiffness<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) viscosity: R,
     pub(super) ends: [&'a [R]; 2],
-    pub(super) k: &'a mut Matrix<R>,
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> KernelWork<R, D, S>
-    for SecantStiffness<'_, Chain<R, E, Kn, D, S>, R>
-where
-    R: Real,
-    E: Element<D, S>,
-    Kn: ElementKernel<R, D, S>,
-{
-    type Output = Result<()>;
-    const HEAVY: bool = true;
-
-    #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
-        let (chain, k) = (self.chain, self.k);
-        let mut result = Ok(());
-        chain.groups::<L, 2>(
-            self.ends,
-            #[inline(always)]
-            |elements, _, [from, to]| {
-                let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-                of(kernels, elements.start).secant_tangent(self.viscosity, from, to, &mut tangent);
-                if result.is_ok() {
-                    result = add_lanes(k, &tangent, chain.starts_in(elements));
-                }
-            },
-        );
-        result
-    }
-}
+task!(SecantStiffness, Sink, true, |self, kernels, elements, k| {
+    let chain = self.chain;
+    let mut result = Ok(());
+    chain.groups::<L, 2>(
+        elements,
+        self.ends,
+        #[inline(always)]
+        |elements, _, [from, to]| {
+            let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
+            of(kernels, elements.start).secant_tangent(self.viscosity, from, to, &mut tangent);
+            if result.is_ok() {
+                result = add_lanes(k, &tangent, chain.starts_in(elements));
+            }
+        },
+    );
+    result
+});
 
 /// Adds the tangents of the elements in the lanes that have a start; of those added to a symmetric
 /// matrix the upper triangles are read.
 #[inline(always)]
 fn add_lanes<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
-    k: &mut Matrix<R>,
+    sink: &mut Sink<'_, R>,
     tangent: &Tangent<L, D, S>,
     start: impl Fn(usize) -> Option<usize>,
 ) -> Result<()> {
     let block = tangent.as_flattened().as_flattened().as_flattened();
+    let k = match sink {
+        Sink::Matrix(k) => k,
+        Sink::Rows(rows) => return rows.add_blocks(S * D, block, &start),
+    };
     k.add_blocks(S * D, block, &start)?;
     for lane in 0..L::WIDTH {
         if let Some(offset) = start(lane).filter(|offset| !k.takes_blocks(*offset, S * D)) {

@@ -1,6 +1,8 @@
 //! Storage of matrices inside the envelope, allocated once and refilled at every step, with the
 //! few operations that assembly, supports and residuals need.
 
+use std::ops::Range;
+
 use num_traits::Signed;
 
 use super::Profile;
@@ -280,30 +282,29 @@ impl<R: Real> BandMatrix<R> {
         Ok(())
     }
 
+    /// The lines before `end`, to be written by parts.
+    pub(in crate::solver) fn lines(&mut self, end: usize) -> Lines<'_, R> {
+        Lines {
+            profile: &self.profile,
+            symmetric: self.symmetric,
+            width: self.width,
+            lines: 0..end,
+            data: &mut self.data[..end * self.width],
+            written: self.written,
+            whole: Some(&mut self.written),
+        }
+    }
+
     /// Adds the matrices of the elements in the lanes that have a start, the first of `n` unknowns
     /// numbered consecutively: the entries of `block`, row-major and full.
     #[inline(always)]
-    pub(crate) fn add_blocks<L: Lanes<R>>(
+    pub(in crate::solver) fn add_blocks<L: Lanes<R>>(
         &mut self,
         n: usize,
         block: &[L],
         start: impl Fn(usize) -> Option<usize>,
     ) -> Result<()> {
-        for column in (0..L::WIDTH).filter_map(&start) {
-            let row = column + n - 1;
-            if !self.profile.contains(row, column) {
-                return Err(Error::OutsideProfile { row, column });
-            }
-            self.write_up_to(row);
-        }
-        for i in 0..n {
-            let (width, half) = (self.width, self.profile.half_bandwidth());
-            // Stored by columns from the diagonal on, or by rows in which the block starts before it.
-            let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
-            let target = |lane: usize| Some((start(lane)? + i) * width + shift - i);
-            L::scatter(&block[i * n + from..(i + 1) * n], &mut self.data, target);
-        }
-        Ok(())
+        self.lines(self.size()).add_blocks(n, block, start)
     }
 
     /// `y = A x`.
@@ -389,5 +390,94 @@ impl<R: Real> BandMatrix<R> {
             what: "mixing a symmetric and a general matrix".into(),
             remedy: "construct both with `symmetric` or both with `general`",
         })
+    }
+}
+
+/// Lines in a row of a [`BandMatrix`]: what one thread may write while others write the rest. Those that
+/// it leaves unwritten are zero in the end.
+#[derive(Debug)]
+pub(in crate::solver) struct Lines<'a, R: Real> {
+    profile: &'a Profile,
+    symmetric: bool,
+    width: usize,
+    lines: Range<usize>,
+    data: &'a mut [R],
+    /// Lines from this one on are zero, whatever `data` holds.
+    written: usize,
+    /// What the matrix knows of that, if these are no part of others.
+    whole: Option<&'a mut usize>,
+}
+
+impl<R: Real> Lines<'_, R> {
+    pub(in crate::solver) fn is_symmetric(&self) -> bool {
+        self.symmetric
+    }
+
+    /// Those before and from one of them on.
+    pub(in crate::solver) fn halves(&mut self, line: usize) -> (Lines<'_, R>, Lines<'_, R>) {
+        let Range { start, end } = self.lines;
+        let written = self.written;
+        self.written = written.max(end);
+        let (left, right) = self.data.split_at_mut((line - start) * self.width);
+        let part = |lines, data, written| Lines {
+            profile: self.profile,
+            symmetric: self.symmetric,
+            width: self.width,
+            lines,
+            data,
+            written,
+            whole: None,
+        };
+        (
+            part(start..line, left, written),
+            part(line..end, right, written.max(line)),
+        )
+    }
+
+    /// Has all lines up to this one written.
+    #[inline(always)]
+    fn write_up_to(&mut self, line: usize) {
+        if line >= self.written {
+            let start = self.lines.start;
+            let fresh = (self.written - start) * self.width..(line + 1 - start) * self.width;
+            self.data[fresh].fill(R::zero());
+            self.written = line + 1;
+        }
+    }
+
+    /// As [`BandMatrix::add_blocks`].
+    #[inline(always)]
+    pub(in crate::solver) fn add_blocks<L: Lanes<R>>(
+        &mut self,
+        n: usize,
+        block: &[L],
+        start: impl Fn(usize) -> Option<usize>,
+    ) -> Result<()> {
+        for column in (0..L::WIDTH).filter_map(&start) {
+            let row = column + n - 1;
+            if !self.profile.contains(row, column) {
+                return Err(Error::OutsideProfile { row, column });
+            }
+            self.write_up_to(row);
+        }
+        let first = self.lines.start;
+        for i in 0..n {
+            let (width, half) = (self.width, self.profile.half_bandwidth());
+            // Stored by columns from the diagonal on, or by rows in which the block starts before it.
+            let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
+            let target = |lane: usize| Some((start(lane)? + i - first) * width + shift - i);
+            L::scatter(&block[i * n + from..(i + 1) * n], self.data, target);
+        }
+        Ok(())
+    }
+}
+
+impl<R: Real> Drop for Lines<'_, R> {
+    fn drop(&mut self) {
+        match &mut self.whole {
+            Some(whole) => **whole = self.written,
+            None if self.lines.is_empty() => {}
+            None => self.write_up_to(self.lines.end - 1),
+        }
     }
 }

@@ -1,0 +1,183 @@
+//! Long chains in shares: by halves, and those by halves again, which the threads of rayon's pool take
+//! where the feature `rayon` is on. Where a chain is cut depends on its length alone, and the element
+//! over a cut comes after both sides: results are the same for any number of threads, and without them.
+
+use std::ops::Range;
+
+use super::Chain;
+use crate::element::Element;
+use crate::error::Result;
+use crate::formulation::{ElementKernel, KernelWork};
+use crate::scalar::{Lanes, Real};
+use crate::solver::{Matrix, Rows};
+
+/// Elements that are not worth a thread of their own.
+pub(super) const SHARE: usize = 512;
+
+/// What elements of a chain add, and what they add it to.
+pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
+    /// What the elements add to.
+    type Out<'o>: Send;
+
+    /// As [`KernelWork::HEAVY`].
+    const HEAVY: bool = false;
+
+    /// The parts before and from a coordinate on, which two threads may write; nothing where that
+    /// cannot be.
+    fn halves<'h>(
+        out: &'h mut Self::Out<'_>,
+        coordinate: usize,
+    ) -> Option<(Self::Out<'h>, Self::Out<'h>)>;
+
+    /// Adds what the elements give. Must be inlined, as [`KernelWork::run`].
+    fn add<L: Lanes<R>, K: ElementKernel<R, D, S>>(
+        &self,
+        kernels: &[K],
+        elements: Range<usize>,
+        out: &mut Self::Out<'_>,
+    ) -> Result<()>;
+}
+
+/// A task for some elements of a chain.
+struct Share<'t, 'o, T: Task<R, D, S>, R: Real, const D: usize, const S: usize> {
+    task: &'t T,
+    elements: Range<usize>,
+    out: &'t mut T::Out<'o>,
+}
+
+impl<T, R, const D: usize, const S: usize> KernelWork<R, D, S> for Share<'_, '_, T, R, D, S>
+where
+    T: Task<R, D, S>,
+    R: Real,
+{
+    type Output = Result<()>;
+    const HEAVY: bool = T::HEAVY;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
+        self.task.add::<L, K>(kernels, self.elements, self.out)
+    }
+}
+
+impl<R, E, Kn, const D: usize, const S: usize> Chain<R, E, Kn, D, S>
+where
+    R: Real,
+    E: Element<D, S>,
+    Kn: ElementKernel<R, D, S>,
+{
+    /// Does a task for some elements.
+    pub(super) fn share<T: Task<R, D, S>>(
+        &self,
+        task: &T,
+        elements: Range<usize>,
+        out: &mut T::Out<'_>,
+    ) -> Result<()> {
+        if elements.len() >= 2 * SHARE {
+            let middle = elements.start + elements.len() / 2 / SHARE * SHARE;
+            let halves = T::halves(out, self.range(middle).start);
+            let results = halves.map(|(mut left, mut right)| {
+                join::<R, _>(
+                    || self.share(task, elements.start..middle - 1, &mut left),
+                    || self.share(task, middle..elements.end, &mut right),
+                )
+            });
+            if let Some((left, right)) = results {
+                left.and(right)?;
+                return self.run(Share {
+                    task,
+                    elements: middle - 1..middle,
+                    out,
+                });
+            }
+        }
+        self.run(Share {
+            task,
+            elements,
+            out,
+        })
+    }
+
+    /// Does a task that adds to a matrix for all elements: of a long chain together for those that
+    /// follow each other in an envelope, and for those at supports and joints between them.
+    pub(super) fn share_matrix<T>(&self, task: &T, k: &mut Matrix<R>) -> Result<()>
+    where
+        T: for<'o> Task<R, D, S, Out<'o> = Sink<'o, R>>,
+    {
+        let count = self.starts.len();
+        if count < 2 * SHARE || k.stored().is_sparse() {
+            return self.share(task, 0..count, &mut Sink::Matrix(k));
+        }
+        let mut next = 0;
+        while next < count {
+            let inner = |n: usize| match k.in_a_row(self.range(n).start).checked_sub(S * D) {
+                Some(more) => (1 + more / Self::STRIDE).min(count - n),
+                None => 0,
+            };
+            let alone = next..(next..count).find(|n| inner(*n) > 0).unwrap_or(count);
+            let together = alone.end..match alone.end < count {
+                true => alone.end + inner(alone.end),
+                false => count,
+            };
+            next = together.end;
+            if !alone.is_empty() {
+                self.share(task, alone, &mut Sink::Matrix(k))?;
+            }
+            if together.is_empty() {
+                break;
+            }
+            let first = self.range(together.start).start;
+            let rows = k.rows(first, self.range(next - 1).end - first)?;
+            self.share(task, together, &mut Sink::Rows(rows))?;
+        }
+        Ok(())
+    }
+}
+
+/// Numbers by coordinates, from one of them on.
+pub(super) struct Numbers<'a, R> {
+    pub(super) first: usize,
+    pub(super) numbers: &'a mut [R],
+}
+
+impl<R> Numbers<'_, R> {
+    pub(super) fn halves(&mut self, coordinate: usize) -> (Numbers<'_, R>, Numbers<'_, R>) {
+        let (left, right) = self.numbers.split_at_mut(coordinate - self.first);
+        let first = self.first;
+        let part = |first, numbers| Numbers { first, numbers };
+        (part(first, left), part(coordinate, right))
+    }
+}
+
+/// What tangents are added to: a matrix, or rows of one.
+pub(super) enum Sink<'a, R: Real> {
+    Matrix(&'a mut Matrix<R>),
+    Rows(Rows<'a, R>),
+}
+
+impl<R: Real> Sink<'_, R> {
+    pub(super) fn halves(&mut self, coordinate: usize) -> Option<(Sink<'_, R>, Sink<'_, R>)> {
+        let Self::Rows(rows) = self else { return None };
+        let (left, right) = rows.halves(coordinate);
+        Some((Sink::Rows(left), Sink::Rows(right)))
+    }
+
+    pub(super) fn is_symmetric(&self) -> bool {
+        match self {
+            Self::Matrix(k) => k.stored().is_symmetric(),
+            Self::Rows(rows) => rows.is_symmetric(),
+        }
+    }
+}
+
+/// Runs both, on two threads where there are. Packs stay on theirs: whether their lanes have parted is
+/// told by thread.
+fn join<R: Real, T: Send>(
+    left: impl FnOnce() -> T + Send,
+    right: impl FnOnce() -> T + Send,
+) -> (T, T) {
+    #[cfg(feature = "rayon")]
+    if R::LANES == 1 {
+        return rayon::join(left, right);
+    }
+    (left(), right())
+}

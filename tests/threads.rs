@@ -1,0 +1,156 @@
+//! Claims about long chains, which are evaluated in shares: they are the sum of their elements wherever
+//! they are cut and held, and the threads that take the shares change no bit of a result.
+
+use ancf::formulation::{ElementKernel, Reference, Tangent};
+use ancf::prelude::*;
+use ancf::solver::{Matrix, Structure};
+
+/// Enough for several cuts, and not a multiple of anything.
+const ELEMENTS: usize = 2603;
+const LENGTH: f64 = 0.25;
+
+fn axis<const D: usize>(k: usize) -> [f64; D] {
+    std::array::from_fn(|c| if c == k { 1.0 } else { 0.0 })
+}
+
+fn rule<const D: usize>() -> Continuum<SaintVenantKirchhoff<f64, D>> {
+    Continuum::selective_reduced(SaintVenantKirchhoff::isotropic(1e6, 0.3).unwrap())
+}
+
+/// A chain clamped at its start and pinned inside a share.
+fn system<const D: usize, const S: usize>() -> System<f64, D>
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let end = axis(0).map(|c: f64| c * LENGTH * ELEMENTS as f64);
+    let beam = Beam::new(FullyParameterised, Disk::new(0.05).unwrap(), rule());
+    let beam = beam.straight([0.0; D], end, ELEMENTS).density(1000.0);
+    let mut scene = Scene::<f64, D>::new();
+    let beam = scene.add(beam).unwrap();
+    scene.clamp(beam.start()).unwrap();
+    scene.pin(beam.node(777)).unwrap();
+    scene.assemble().unwrap()
+}
+
+fn moved<const D: usize>(system: &System<f64, D>, phase: f64) -> Vec<f64> {
+    let wave = |i: usize| 0.05 * (1.7 * i as f64 + phase).sin();
+    let mut u = (0..system.reference().len()).map(wave).collect::<Vec<_>>();
+    system.unknowns().follow(&mut u);
+    u
+}
+
+/// The entries of a chain's matrix near the diagonal.
+fn entries(matrix: &Matrix<f64>, half: usize) -> Vec<f64> {
+    let size = matrix.stored().size();
+    let near = |i: usize| (i.saturating_sub(half)..size.min(i + half)).map(move |j| (i, j));
+    let entry = |(i, j)| matrix.stored().get(i, j);
+    (0..size).flat_map(near).map(entry).collect()
+}
+
+fn check<const D: usize, const S: usize>()
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let system = system::<D, S>();
+    let u = moved(&system, 0.0);
+    let frame = std::array::from_fn(axis);
+    let reference = Reference::straight(&FullyParameterised, LENGTH, frame);
+    let disk = Disk::new(0.05).unwrap();
+    let kernel = rule()
+        .kernel(&FullyParameterised, &reference, &disk)
+        .unwrap();
+    let mut expected = vec![0.0; u.len()];
+    let stride = S * D / 2;
+    for symmetric in [true, false] {
+        let mut sum = Matrix::zero(system.unknowns(), false);
+        expected.fill(0.0);
+        for start in (0..ELEMENTS).map(|n| n * stride) {
+            let own: [[f64; D]; S] =
+                std::array::from_fn(|i| std::array::from_fn(|c| u[start + i * D + c]));
+            let mut q = [[0.0; D]; S];
+            let mut k: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
+            kernel.tangent(&own, &mut q, &mut k);
+            for (e, q) in expected[start..].iter_mut().zip(q.as_flattened()) {
+                *e += *q;
+            }
+            let block = k.as_flattened().as_flattened().as_flattened();
+            sum.add_block(start, S * D, block).unwrap();
+        }
+        let mut force = vec![0.0; u.len()];
+        system.add_internal(&u, &mut force);
+        let mut tangent = Matrix::zero(system.unknowns(), symmetric);
+        // What was there before must not show.
+        for _ in 0..2 {
+            tangent.clear();
+            system.add_tangent(0.0, 1.0, &u, &mut tangent).unwrap();
+        }
+        let pairs = [
+            (force, expected.clone()),
+            (entries(&tangent, S * D), entries(&sum, S * D)),
+        ];
+        for (ours, theirs) in pairs {
+            let top = theirs.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            assert!(top > 1.0);
+            for (a, b) in ours.iter().zip(&theirs) {
+                assert!((a - b).abs() < 200.0 * f64::EPSILON * top, "{a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_long_chain_is_the_sum_of_its_elements() {
+    check::<3, 8>();
+    check::<2, 6>();
+}
+
+/// Everything that a chain adds, in one list of numbers.
+#[cfg(feature = "rayon")]
+fn all_of<const D: usize, const S: usize>(system: &System<f64, D>) -> Vec<f64>
+where
+    FullyParameterised: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+{
+    let [from, to] = [0.0, 1.0].map(|phase| moved(system, phase));
+    let zeros = || vec![0.0; from.len()];
+    let mut vectors = [zeros(), zeros(), zeros()];
+    system.add_internal(&to, &mut vectors[0]);
+    system.add_mass_times(2.0, &to, &mut vectors[0]);
+    system.add_mass_times(-1.0, &from, &mut vectors[1]);
+    system.add_secant(0.1, &from, &to, &mut vectors[2]);
+    let mut symmetric = Matrix::zero(system.unknowns(), true);
+    let mut general = Matrix::zero(system.unknowns(), false);
+    system
+        .add_tangent_and_mass(0.0, 1.0, &to, 100.0, &mut symmetric)
+        .unwrap();
+    system
+        .add_secant_tangent((0.0, 1.0), 0.1, &from, &to, &mut general)
+        .unwrap();
+    let matrices = [&symmetric, &general].map(|k| entries(k, S * D));
+    vectors.into_iter().chain(matrices).flatten().collect()
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn threads_change_no_bit() {
+    fn check<const D: usize, const S: usize>()
+    where
+        FullyParameterised: Element<D, S>,
+        Continuum<SaintVenantKirchhoff<f64, D>>: Formulation<f64, FullyParameterised, D, S>,
+    {
+        let system = system::<D, S>();
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            pool.build().unwrap().install(|| all_of::<D, S>(&system))
+        };
+        let one = on(1);
+        assert!(one.iter().all(|x| x.is_finite()) && one.iter().any(|x| x.abs() > 1.0));
+        for threads in [2, 5] {
+            assert!(one == on(threads), "{threads} threads");
+        }
+    }
+    check::<3, 8>();
+    check::<2, 6>();
+}
