@@ -154,3 +154,44 @@ fn threads_change_no_bit() {
     check::<3, 8>();
     check::<2, 6>();
 }
+
+/// Some steps of a pendulum: all displacements, and how many iterations they took.
+fn swung(elements: usize) -> (Vec<f64>, usize) {
+    let mut scene = Scene::<f64, 3>::new();
+    let beam = Beam::new(FullyParameterised, Disk::new(0.01).unwrap(), rule());
+    let end = [0.1 * elements as f64, 0.0, 0.0];
+    let beam = beam.straight([0.0; 3], end, elements).density(7200.0);
+    let beam = scene.add(beam).unwrap();
+    scene.pin(beam.start()).unwrap();
+    scene.gravity([0.0, -9.81, 0.0]).unwrap();
+    let system = scene.assemble().unwrap();
+    let method = Newmark::trapezoidal();
+    let mut run = Integration::start(&system, system.rest(), &method).unwrap();
+    run.until(5e-3, Stepping::Fixed(1e-3), |_| {}).unwrap();
+    let iterations = run.report().iterations;
+    (run.into_state().displacement, iterations)
+}
+
+/// Long chains are eliminated while they are assembled; the nodes near the start do not feel that the
+/// chain is longer.
+#[test]
+fn elimination_in_pieces_is_elimination_as_a_whole() {
+    let ((short, few), (long, many)) = (swung(1000), swung(1100));
+    assert_eq!(few, many);
+    let near = 12 * 200;
+    let top = short[..near].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    assert!(top > 1e-5);
+    for (a, b) in short[..near].iter().zip(&long) {
+        assert!((a - b).abs() < 1e-12 * top, "{a} {b}");
+    }
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn threads_change_no_bit_of_a_run() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| swung(1100))
+    };
+    assert!(on(1) == on(2));
+}

@@ -11,7 +11,7 @@ use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, KernelWork, Reference};
 use crate::scalar::{Lanes, Real};
-use crate::solver::{BandMatrix, Matrix};
+use crate::solver::{BandMatrix, Matrix, Ready};
 use crate::tensor::sum;
 use shares::{Numbers, Task};
 use works::{Acceleration, Force, Secant, SecantStiffness, Stiffness};
@@ -49,6 +49,16 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn force(&self, u: &[R], q: &mut [R]);
     /// Tangent and, with a density, this share of the mass matrix.
     fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()>;
+    /// The same, telling on the way which of the first unknowns are complete.
+    fn tangent_in_order(
+        &self,
+        u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        _ready: Ready<'_, R>,
+    ) -> Result<()> {
+        self.tangent(u, mass, k)
+    }
     /// Whether the secant force is made of strains.
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
@@ -296,7 +306,18 @@ where
 
     fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
         let chain = self;
-        self.share_matrix(&Stiffness { chain, u, mass }, k)
+        self.share_matrix(&Stiffness { chain, u, mass }, k, None)
+    }
+
+    fn tangent_in_order(
+        &self,
+        u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        ready: Ready<'_, R>,
+    ) -> Result<()> {
+        let chain = self;
+        self.share_matrix(&Stiffness { chain, u, mass }, k, Some(ready))
     }
 
     fn has_strain(&self) -> bool {
@@ -318,7 +339,7 @@ where
             viscosity,
             ends: [from, to],
         };
-        self.share_matrix(&task, k)
+        self.share_matrix(&task, k, None)
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {

@@ -179,6 +179,36 @@ impl<R: Real> Factor<R> {
         x.map_or(Ok(()), |x| self.solve(x))
     }
 
+    /// Begins to factorise in the storage of a matrix while it is assembled, for
+    /// [`advance`](Self::advance) and [`keep`](Self::keep), along with a right-hand side if there is
+    /// one. False where that is not done: for sparse and for general matrices.
+    pub(super) fn begin(&mut self, x: Option<&[R]>) -> bool {
+        self.held = Held::Nothing;
+        self.ldlt.as_mut().map(|ldlt| ldlt.begin(x)).is_some()
+    }
+
+    /// Eliminates as far as the first `lines` of a matrix allow, to which nothing more may be added.
+    /// False where the matrix is not definite: it is then to be assembled anew, for
+    /// [`factor`](Self::factor).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] as in factorisation.
+    pub(super) fn advance(&mut self, matrix: &mut Stored<R>, lines: usize) -> Result<bool> {
+        match (&mut self.ldlt, matrix.envelope()) {
+            (Some(ldlt), Some(matrix)) => ldlt.advance(matrix, lines),
+            _ => Ok(false),
+        }
+    }
+
+    /// Keeps the factors of a matrix that is eliminated to the end, which is then clear, and replaces
+    /// the right-hand side by the solution.
+    pub(super) fn keep(&mut self, matrix: &mut Stored<R>, x: Option<&mut [R]>) {
+        if let (Some(ldlt), Some(matrix)) = (&mut self.ldlt, matrix.envelope()) {
+            ldlt.keep(matrix, x);
+            self.held = Held::Ldlt;
+        }
+    }
+
     /// Replaces the right-hand side `x` by the solution. Allocates nothing.
     ///
     /// # Errors

@@ -192,6 +192,13 @@ impl<R: Real> Matrix<R> {
         }
     }
 
+    /// The unknown that a coordinate is, and all unknowns before it come from coordinates before; else
+    /// nothing.
+    pub(crate) fn place_in_order(&self, coordinate: usize) -> Option<usize> {
+        let ordered = self.unknowns.in_order();
+        self.unknowns.run(coordinate, 1).filter(|_| ordered)
+    }
+
     /// How many coordinates from this one on are unknowns in a row.
     pub(crate) fn in_a_row(&self, coordinate: usize) -> usize {
         self.unknowns.in_a_row(coordinate)

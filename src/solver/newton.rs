@@ -53,6 +53,8 @@ pub(crate) struct Workspace<R> {
     tangent: Matrix<R>,
     factor: Factor<R>,
     factored: bool,
+    /// Whether tangents are taken for definite: as long as the last one was.
+    definite: bool,
     /// Whether the factors are those of the mass alone.
     held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
@@ -114,6 +116,7 @@ impl<R: Real> Workspace<R> {
             tangent: Matrix::zero(unknowns, symmetric),
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
+            definite: true,
             held_mass: false,
             current: false,
             force: R::zero(),
@@ -375,8 +378,12 @@ impl<R: Real> Workspace<R> {
         solving: bool,
     ) -> Result<()> {
         self.forget();
-        self.tangent.clear();
         let mass = equations.inertia.map(|(rate, _)| rate);
+        if self.in_order(structure, equations, u, mass, solving)? {
+            self.factored = true;
+            return Ok(());
+        }
+        self.tangent.clear();
         self.add_tangent(structure, equations, u, mass)?;
         let (factor, matrix) = (&mut self.factor, self.tangent.stored());
         let factored = match solving {
@@ -391,6 +398,7 @@ impl<R: Real> Workspace<R> {
             }
             false => factor.factor(matrix),
         };
+        self.definite = self.factor.inertia() == Some(0);
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {
             // Without inertia what moves freely is seen by geometry alone.
@@ -401,6 +409,52 @@ impl<R: Real> Workspace<R> {
             }
             other => other,
         })
+    }
+
+    /// [`renew`](Self::renew) for tangents that are likely definite: eliminates in the storage of the
+    /// matrix while it is assembled, so that long chains go through the caches once. False where that
+    /// cannot be, or the tangent turns out not to be definite.
+    fn in_order<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+        mass: Option<R>,
+        solving: bool,
+    ) -> Result<bool> {
+        let Equations { time, factor, .. } = *equations;
+        if !self.definite
+            || matches!(equations.rest, Rest::Permanent)
+            || !structure.multipliers().is_empty()
+        {
+            return Ok(false);
+        }
+        let unknowns = structure.unknowns();
+        if solving {
+            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
+                *q = self.scratch[i];
+            }
+        }
+        let (factors, k) = (&mut self.factor, &mut self.tangent);
+        if !factors.begin(solving.then_some(&self.unknown)) {
+            return Ok(false);
+        }
+        k.clear();
+        let mut sound = true;
+        structure.add_tangent_in_order(time, factor, u, mass, k, &mut |k, ready| {
+            if sound {
+                sound = factors.advance(k.stored_mut(), ready)?;
+            }
+            Ok(())
+        })?;
+        self.definite = sound;
+        if sound {
+            factors.keep(k.stored_mut(), solving.then_some(&mut self.unknown));
+            if solving {
+                spread(unknowns, &self.unknown, &mut self.scratch);
+            }
+        }
+        Ok(sound)
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
@@ -474,11 +528,16 @@ fn solve_by<R: Real>(
         *q = x[i];
     }
     solve(unknown)?;
+    spread(unknowns, unknown, x);
+    Ok(())
+}
+
+/// The coordinates that follow from unknowns.
+fn spread<R: Real>(unknowns: &Unknowns<R>, unknown: &[R], x: &mut [R]) {
     for (q, &i) in unknown.iter().zip(unknowns.free()) {
         x[i] = *q;
     }
     unknowns.follow(x);
-    Ok(())
 }
 
 /// A singular matrix in the words of the structure.

@@ -33,6 +33,9 @@ pub enum Secant {
     Strain,
 }
 
+/// Takes a matrix of which as many of the first unknowns are complete.
+pub type Ready<'a, R> = &'a mut dyn FnMut(&mut Matrix<R>, usize) -> Result<()>;
+
 /// A structure with `n` coordinates: `M a + Q_s(u) = Q_e(t, u)` (eq. 16 of Orzechowski 2012) in
 /// displacements `u` from the reference state. Every method adds to its output.
 pub trait Structure<R: Real> {
@@ -174,6 +177,28 @@ pub trait Structure<R: Real> {
     ) -> Result<()> {
         self.add_tangent(time, factor, u, k)?;
         self.add_mass(mass, k)
+    }
+
+    /// Adds the tangent and, with a `mass`, that times `M`, and tells as it goes how many of the first
+    /// unknowns nothing more is added to: elimination follows while the caches hold their lines. By
+    /// default that is told in the end.
+    ///
+    /// # Errors
+    /// Those of [`add_tangent`](Self::add_tangent), [`add_mass`](Self::add_mass) and `ready`.
+    fn add_tangent_in_order(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        ready: Ready<'_, R>,
+    ) -> Result<()> {
+        match mass {
+            Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k)?,
+            None => self.add_tangent(time, factor, u, k)?,
+        }
+        ready(k, self.unknowns().count())
     }
 
     /// What coordinate `i` is, in words, for messages.

@@ -83,6 +83,8 @@ struct Tables<R> {
     /// How many unknowns in a row each coordinate starts; zero for followers.
     runs: Vec<usize>,
     followers: Vec<Follower<R>>,
+    /// Whether unknowns are numbered as their coordinates are, and no coordinate follows others.
+    ordered: bool,
     profile: Profile,
 }
 
@@ -95,6 +97,7 @@ impl<R: Real> Unknowns<R> {
             free: (0..size).collect(),
             runs: (1..=size).rev().collect(),
             followers: Vec::new(),
+            ordered: true,
             profile,
         };
         Self {
@@ -180,6 +183,7 @@ impl<R: Real> Unknowns<R> {
         }
         let tables = Tables {
             runs: runs(size, &free),
+            ordered: free.is_sorted() && followers.iter().all(|f| f.terms.is_empty()),
             places,
             free,
             followers,
@@ -201,6 +205,7 @@ impl<R: Real> Unknowns<R> {
             free,
             runs: _,
             followers,
+            ordered,
             profile,
         } = &*self.tables;
         let spread = |count: usize| (0..count).flat_map(|i| (0..copies).map(move |c| (i, c)));
@@ -226,6 +231,7 @@ impl<R: Real> Unknowns<R> {
             runs: runs(places.len() * copies, &spread_free),
             free: spread_free,
             followers: spread(followers.len()).map(follower).collect(),
+            ordered: *ordered,
             profile: Profile::from_ranges(free.len() * copies, ranges)?,
         };
         Ok(Self {
@@ -302,6 +308,11 @@ impl<R: Real> Unknowns<R> {
             Place::Unknown(first) => Some(first..first + n.min(self.tables.runs[offset])),
             Place::Follower(_) => None,
         }
+    }
+
+    /// Whether unknowns are numbered as their coordinates are, and no coordinate follows others.
+    pub(super) fn in_order(&self) -> bool {
+        self.tables.ordered
     }
 
     /// How many coordinates from this one on are unknowns in a row.

@@ -9,10 +9,13 @@ use crate::element::Element;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, KernelWork};
 use crate::scalar::{Lanes, Real};
-use crate::solver::{Matrix, Rows};
+use crate::solver::{Matrix, Ready, Rows};
 
 /// Elements that are not worth a thread of their own.
 pub(super) const SHARE: usize = 512;
+
+/// Elements whose tangents and factors the second cache holds.
+const PIECE: usize = 64;
 
 /// What elements of a chain add, and what they add it to.
 pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
@@ -98,8 +101,14 @@ where
     }
 
     /// Does a task that adds to a matrix for all elements: of a long chain together for those that
-    /// follow each other in an envelope, and for those at supports and joints between them.
-    pub(super) fn share_matrix<T>(&self, task: &T, k: &mut Matrix<R>) -> Result<()>
+    /// follow each other in an envelope, and for those at supports and joints between them. Who is
+    /// `ready` for complete unknowns is told of them piece by piece, unless threads share the work.
+    pub(super) fn share_matrix<T>(
+        &self,
+        task: &T,
+        k: &mut Matrix<R>,
+        mut ready: Option<Ready<'_, R>>,
+    ) -> Result<()>
     where
         T: for<'o> Task<R, D, S, Out<'o> = Sink<'o, R>>,
     {
@@ -107,27 +116,34 @@ where
         if count < 2 * SHARE || k.stored().is_sparse() {
             return self.share(task, 0..count, &mut Sink::Matrix(k));
         }
+        let piece = match ready.is_some() && !shared::<R>() {
+            true => PIECE,
+            false => count,
+        };
         let mut next = 0;
         while next < count {
             let inner = |n: usize| match k.in_a_row(self.range(n).start).checked_sub(S * D) {
                 Some(more) => (1 + more / Self::STRIDE).min(count - n),
                 None => 0,
             };
-            let alone = next..(next..count).find(|n| inner(*n) > 0).unwrap_or(count);
-            let together = alone.end..match alone.end < count {
-                true => alone.end + inner(alone.end),
-                false => count,
+            let elements = match inner(next) {
+                0 => next..(next..count).find(|n| inner(*n) > 0).unwrap_or(count),
+                inner => next..next + inner.min(piece),
             };
-            next = together.end;
-            if !alone.is_empty() {
-                self.share(task, alone, &mut Sink::Matrix(k))?;
+            next = elements.end;
+            let (first, end) = (self.range(elements.start).start, self.range(next - 1).end);
+            let mut sink = match inner(elements.start) {
+                0 => Sink::Matrix(k),
+                _ => Sink::Rows(k.rows(first, end - first)?),
+            };
+            self.share(task, elements, &mut sink)?;
+            drop(sink);
+            if let Some(ready) = &mut ready
+                && next < count
+                && let Some(line) = k.place_in_order(self.range(next).start)
+            {
+                ready(k, line)?;
             }
-            if together.is_empty() {
-                break;
-            }
-            let first = self.range(together.start).start;
-            let rows = k.rows(first, self.range(next - 1).end - first)?;
-            self.share(task, together, &mut Sink::Rows(rows))?;
         }
         Ok(())
     }
@@ -169,14 +185,22 @@ impl<R: Real> Sink<'_, R> {
     }
 }
 
-/// Runs both, on two threads where there are. Packs stay on theirs: whether their lanes have parted is
-/// told by thread.
+/// Whether threads share the work. Packs stay on theirs: whether their lanes have parted is told by
+/// thread.
+fn shared<R: Real>() -> bool {
+    #[cfg(feature = "rayon")]
+    return R::LANES == 1 && rayon::current_num_threads() > 1;
+    #[cfg(not(feature = "rayon"))]
+    false
+}
+
+/// Runs both, on two threads where there are.
 fn join<R: Real, T: Send>(
     left: impl FnOnce() -> T + Send,
     right: impl FnOnce() -> T + Send,
 ) -> (T, T) {
     #[cfg(feature = "rayon")]
-    if R::LANES == 1 {
+    if shared::<R>() {
         return rayon::join(left, right);
     }
     (left(), right())

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
-use crate::solver::{Matrix, Rate, Secant, Structure, Unknowns};
+use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns};
 
 impl<R: Real, const D: usize> System<R, D> {
     fn add_weight(&self, factor: R, q: &mut [R]) {
@@ -176,6 +176,28 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
             k.add_alike(vector * D, vector * D, D, mass, &[*m])?;
         }
         self.add_other_tangents(time, factor, u, k)
+    }
+
+    fn add_tangent_in_order(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        ready: Ready<'_, R>,
+    ) -> Result<()> {
+        let stiff = self.loads.iter().any(NodalLoad::has_tangent);
+        match &self.bodies[..] {
+            [body] if self.connectors.is_empty() && self.masses.is_empty() && !stiff => {
+                body.elastic().tangent_in_order(u, mass, k, ready)?;
+            }
+            _ => match mass {
+                Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k)?,
+                None => self.add_tangent(time, factor, u, k)?,
+            },
+        }
+        ready(k, self.unknowns.count())
     }
 
     fn secant(&self) -> Secant {

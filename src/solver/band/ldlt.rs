@@ -2,6 +2,7 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
+use super::matrix::{column_starts, overrun};
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
 use crate::scalar::{LaneWork, Lanes, Mask, Real};
@@ -14,15 +15,6 @@ const PANEL: usize = 4;
 /// Numbers a scalar product is summed in, whatever the registers hold, so that all of them round
 /// alike.
 const SUMS: usize = 8;
-
-/// Numbers that a register of heavy work reaches at most beyond the end of a column.
-const fn overrun<R>() -> usize {
-    const BYTES: usize = 32;
-    match BYTES / size_of::<R>() {
-        0 => 0,
-        lanes => lanes - 1,
-    }
-}
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
 /// panel of pivots before it adds up to two, half of them of one sign or the other.
@@ -43,6 +35,13 @@ pub(super) struct Ldlt<R> {
     /// How many unknowns are eliminated together with each one: their reach is the same, so that
     /// they share their rows.
     counts: Vec<usize>,
+    /// How many unknowns are eliminated, and how many columns that has touched.
+    done: usize,
+    seen: usize,
+    /// Whether a right-hand side is eliminated along with a matrix that is assembled.
+    along: bool,
+    /// The matrix's diagonal, as far as columns were touched.
+    diagonal: Vec<R>,
     /// Reciprocals of the pivots.
     inverse: Vec<R>,
     /// Columns of the current pivots below them, before division by the pivot.
@@ -81,15 +80,14 @@ fn counts(reach: &[usize]) -> Vec<usize> {
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let mut starts = vec![0];
-        let mut end = 0;
-        for (j, last) in profile.reach().iter().enumerate() {
-            end += last + 1 - j + overrun::<R>();
-            starts.push(end);
-        }
+        let starts = column_starts::<R>(profile);
         Self {
-            columns: vec![R::zero(); end],
+            columns: vec![R::zero(); starts[size]],
             starts,
+            done: 0,
+            seen: 0,
+            along: false,
+            diagonal: vec![R::zero(); size],
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
             room: half + 1 + overrun::<R>(),
@@ -117,10 +115,13 @@ impl<R: Real> Ldlt<R> {
     /// then replaced by the solution: elimination takes it along, while columns are at hand.
     pub(super) fn factor(&mut self, matrix: &BandMatrix<R>, x: Option<&mut [R]>) -> Result<bool> {
         let mut vector = x.as_deref().map(|x| self.take(x));
+        self.begin(None);
         let stable = R::dispatch(Factorisation {
-            ldlt: self,
-            matrix,
+            lines: self.inverse.len(),
+            reach: matrix.profile().reach(),
+            matrix: Some(matrix),
             x: vector.as_deref_mut(),
+            ldlt: self,
         });
         if let (Some(x), Some(mut vector)) = (x, vector) {
             if let Ok(true) = stable {
@@ -129,6 +130,47 @@ impl<R: Real> Ldlt<R> {
             self.vector = vector;
         }
         stable
+    }
+
+    /// Begins to eliminate in a matrix, of which [`advance`](Self::advance) takes the lines as they come,
+    /// along with a right-hand side if there is one.
+    pub(super) fn begin(&mut self, x: Option<&[R]>) {
+        (self.done, self.seen) = (0, 0);
+        self.negative = R::zero();
+        self.along = x.is_some();
+        if let Some(x) = x {
+            self.vector[..x.len()].copy_from_slice(x);
+        }
+    }
+
+    /// Eliminates in the storage of a matrix as far as its first `lines` allow, to which nothing more
+    /// may be added. False where the matrix turns out not to be definite: what it holds is then of no
+    /// more use.
+    pub(super) fn advance(&mut self, matrix: &mut BandMatrix<R>, lines: usize) -> Result<bool> {
+        let mut vector = std::mem::take(&mut self.vector);
+        matrix.exchange(&mut self.columns);
+        let sound = R::dispatch(Factorisation {
+            lines,
+            reach: matrix.profile().reach(),
+            matrix: None,
+            x: self.along.then_some(&mut vector[..]),
+            ldlt: self,
+        });
+        matrix.exchange(&mut self.columns);
+        self.vector = vector;
+        sound
+    }
+
+    /// Takes the storage of a matrix in which all is eliminated for that of the factors, and solves for
+    /// the right-hand side that went along.
+    pub(super) fn keep(&mut self, matrix: &mut BandMatrix<R>, x: Option<&mut [R]>) {
+        matrix.exchange(&mut self.columns);
+        matrix.clear();
+        if let Some(x) = x {
+            let mut vector = std::mem::take(&mut self.vector);
+            self.finish::<false>(matrix.profile(), &mut vector, x);
+            self.vector = vector;
+        }
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
@@ -162,7 +204,7 @@ impl<R: Real> Ldlt<R> {
         &mut self,
         j: usize,
         Pivots { before, after }: Pivots<R, P>,
-        matrix: &BandMatrix<R>,
+        matrix: Option<&BandMatrix<R>>,
         definite: bool,
     ) -> Result<bool> {
         let mut negative = R::zero();
@@ -174,9 +216,9 @@ impl<R: Real> Ldlt<R> {
                     value: pivot.value(),
                 });
             }
-            if definite {
+            let Some(matrix) = matrix.filter(|_| !definite) else {
                 return Ok(false);
-            }
+            };
             let terms = self.magnitude[j + p];
             let noise = pivot.abs().at_most(R::lit(NOISE * R::EPSILON) * terms);
             let bound = R::lit(GROWTH) * largest_of_row(matrix, j + p);
@@ -263,10 +305,10 @@ impl<R: Real> Ldlt<R> {
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
     /// every term was subtracted with one sign and the magnitudes, which definite matrices need
     /// not keep, follow from the sums.
-    fn find_magnitudes(&mut self, j: usize, copied: usize, matrix: &BandMatrix<R>) {
+    fn find_magnitudes(&mut self, j: usize, matrix: &BandMatrix<R>) {
         for i in j..self.inverse.len() {
             let start = matrix.diagonal(i);
-            let now = if i < copied {
+            let now = if i < self.seen {
                 self.columns[self.starts[i]]
             } else {
                 start
@@ -282,7 +324,7 @@ impl<R: Real> Ldlt<R> {
         &mut self,
         j: usize,
         last: usize,
-        matrix: &BandMatrix<R>,
+        matrix: Option<&BandMatrix<R>>,
         definite: bool,
     ) -> Result<bool> {
         let room = self.room;
@@ -307,7 +349,7 @@ impl<R: Real> Ldlt<R> {
         let mut trusted = Mask::ALL;
         for p in 0..P {
             let pivot = before[p][p];
-            let noise = R::lit(NOISE * R::EPSILON) * matrix.diagonal(j + p);
+            let noise = R::lit(NOISE * R::EPSILON) * self.diagonal[j + p];
             let sound = !pivot.at_most(R::zero()) & !pivot.at_most(noise);
             trusted = trusted & sound & Mask::from(pivot.finite());
         }
@@ -351,30 +393,66 @@ impl<R: Real> Ldlt<R> {
                 }
             }
         }
-        for k in 0..below {
-            let column = &mut open[starts[P + k] - starts[P]..];
-            let factors: [R; P] = array(|p| -unscaled[p][k]);
+        // Two columns at a time, which share what is loaded of the pivots'; of the first one row more.
+        let mut k = 0;
+        while k + 1 < below {
+            let (own, next) = (starts[P + k] - starts[P], starts[P + k + 1] - starts[P]);
+            let (first, second) = open[own..].split_at_mut(next - own);
+            let mut factors = [[R::zero(); P]; 2];
+            for (p, unscaled) in unscaled.iter().enumerate() {
+                for c in 0..2 {
+                    factors[c][p] = -unscaled[k + c];
+                }
+            }
+            let pivots = array(|p| scaled[p][k]);
+            first[0] = alike::<R, L, P>(first[0], &factors[0], &pivots);
             // Slices of one length, so that their bounds are checked once.
-            let reached = below - k + L::WIDTH - 1;
-            let column = &mut column[..reached];
-            let scaled: [&[R]; P] = array(|p| &scaled[p][k..][..reached]);
+            let reached = below - k - 1 + L::WIDTH - 1;
+            let (first, second) = (&mut first[1..][..reached], &mut second[..reached]);
+            let scaled: [&[R]; P] = array(|p| &scaled[p][k + 1..][..reached]);
             let mut i = 0;
             while i + L::WIDTH <= reached {
-                let mut entry = L::load(&column[i..]);
+                let mut entries = [L::load(&first[i..]), L::load(&second[i..])];
                 for p in 0..P {
-                    entry = entry.plus_times(factors[p], L::load(&scaled[p][i..]));
+                    let along = L::load(&scaled[p][i..]);
+                    for c in 0..2 {
+                        entries[c] = entries[c].plus_times(factors[c][p], along);
+                    }
                 }
-                entry.store(&mut column[i..]);
+                entries[0].store(&mut first[i..]);
+                entries[1].store(&mut second[i..]);
                 i += L::WIDTH;
             }
+            k += 2;
+        }
+        if k < below {
+            let (factors, pivots) = (array(|p| -unscaled[p][k]), array(|p| scaled[p][k]));
+            let diagonal = &mut open[starts[P + k] - starts[P]];
+            *diagonal = alike::<R, L, P>(*diagonal, &factors, &pivots);
         }
         Ok(true)
     }
 }
 
+/// `entry + sum_p factors_p pivots_p` for one entry, rounded as where a register holds more of them.
+#[inline(always)]
+fn alike<R: Real, L: Lanes<R>, const P: usize>(entry: R, factors: &[R; P], pivots: &[R; P]) -> R {
+    let mut sum = L::lift(entry);
+    for p in 0..P {
+        sum = sum.plus_times(factors[p], L::lift(pivots[p]));
+    }
+    let mut lanes = [R::zero(); SUMS];
+    sum.store(&mut lanes);
+    lanes[0]
+}
+
 struct Factorisation<'a, R> {
     ldlt: &'a mut Ldlt<R>,
-    matrix: &'a BandMatrix<R>,
+    reach: &'a [usize],
+    /// A matrix to factorise, if it is not in the columns already.
+    matrix: Option<&'a BandMatrix<R>>,
+    /// How many of its lines there are yet.
+    lines: usize,
     /// A right-hand side to eliminate from on the way.
     x: Option<&'a mut [R]>,
 }
@@ -387,25 +465,25 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
     fn run<L: Lanes<R>>(self) -> Result<bool> {
         let Self {
             ldlt,
+            reach,
             matrix,
+            lines,
             mut x,
         } = self;
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
-        let reach = matrix.profile().reach();
-        ldlt.negative = R::zero();
         let mut definite = true;
-        let (mut j, mut copied) = (0, 0);
-        while j < reach.len() {
-            let last = reach[j];
+        while let Some(last) = reach.get(ldlt.done).copied().filter(|last| *last < lines) {
+            let j = ldlt.done;
             // Columns are fetched just before their first use, while the cache still holds them.
-            while copied <= last {
-                let source = matrix.line(copied);
-                let (start, end) = (ldlt.starts[copied], ldlt.starts[copied + 1]);
-                let target = &mut ldlt.columns[start..end];
-                let count = target.len() - overrun::<R>();
-                target[..count].copy_from_slice(&source[..count]);
-                target[count..].fill(R::zero());
-                copied += 1;
+            while ldlt.seen <= last {
+                let i = ldlt.seen;
+                if let Some(matrix) = matrix {
+                    let (start, end) = (ldlt.starts[i], ldlt.starts[i + 1]);
+                    let target = &mut ldlt.columns[start..end];
+                    target.copy_from_slice(&matrix.line(i)[..end - start]);
+                }
+                ldlt.diagonal[i] = ldlt.columns[ldlt.starts[i]];
+                ldlt.seen += 1;
             }
             let count = ldlt.counts[j];
             loop {
@@ -414,10 +492,10 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
                     2 => ldlt.eliminate::<L, 2>(j, last, matrix, definite),
                     _ => ldlt.eliminate::<L, 1>(j, last, matrix, definite),
                 };
-                match (trusted?, definite) {
-                    (true, _) => break,
-                    (false, true) => ldlt.find_magnitudes(j, copied, matrix),
-                    (false, false) => return Ok(false),
+                match (trusted?, definite, matrix) {
+                    (true, ..) => break,
+                    (false, true, Some(matrix)) => ldlt.find_magnitudes(j, matrix),
+                    (false, ..) => return Ok(false),
                 }
                 definite = false;
             }
@@ -428,7 +506,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
                     _ => ldlt.forward::<L, 1>(j, last, x),
                 }
             }
-            j += count;
+            ldlt.done += count;
         }
         Ok(true)
     }

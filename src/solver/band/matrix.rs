@@ -12,9 +12,9 @@ use crate::scalar::{Lanes, Loops, Real};
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
 /// A general matrix is stored by rows, row `i` from column `i - half_bandwidth` to
-/// `i + half_bandwidth`; a symmetric one by the columns of its lower triangle, column `j` from the
-/// diagonal to row `j + half_bandwidth`: its factors are formed column by column. No method but
-/// the constructors allocates.
+/// `i + half_bandwidth`; a symmetric one by the columns of its lower triangle, each from the diagonal
+/// as far as it reaches and with zeros behind it: its factors are formed column by column, in the same
+/// storage. No method but the constructors allocates.
 ///
 /// Clearing costs nothing: such a line is filled with zeros when something is added to it or behind
 /// it, so that long matrices go through the cache once where they are assembled in order.
@@ -22,11 +22,12 @@ use crate::scalar::{Lanes, Loops, Real};
 pub struct BandMatrix<R> {
     profile: Profile,
     symmetric: bool,
-    width: usize,
+    /// Where each line starts, and where the last ends.
+    starts: Vec<usize>,
     data: Vec<R>,
     /// Lines from this one on are zero, whatever `data` holds.
     written: usize,
-    /// One line of zeros.
+    /// The longest line of zeros.
     zeros: Vec<R>,
 }
 
@@ -34,23 +35,26 @@ impl<R: Real> BandMatrix<R> {
     /// Zero matrix that stores its lower triangle only.
     #[must_use]
     pub fn symmetric(profile: &Profile) -> Self {
-        Self::zero(profile, true, profile.half_bandwidth() + 1)
+        Self::zero(profile, true, column_starts::<R>(profile))
     }
 
     /// Zero matrix that stores both triangles.
     #[must_use]
     pub fn general(profile: &Profile) -> Self {
-        Self::zero(profile, false, 2 * profile.half_bandwidth() + 1)
+        let width = 2 * profile.half_bandwidth() + 1;
+        let starts = (0..=profile.size()).map(|line| line * width);
+        Self::zero(profile, false, starts.collect())
     }
 
-    fn zero(profile: &Profile, symmetric: bool, width: usize) -> Self {
+    fn zero(profile: &Profile, symmetric: bool, starts: Vec<usize>) -> Self {
+        let longest = starts.windows(2).map(|ends| ends[1] - ends[0]).max();
         Self {
             profile: profile.clone(),
             symmetric,
-            width,
-            data: vec![R::zero(); profile.size() * width],
+            data: vec![R::zero(); starts[profile.size()]],
             written: profile.size(),
-            zeros: vec![R::zero(); width],
+            zeros: vec![R::zero(); longest.unwrap_or(0)],
+            starts,
         }
     }
 
@@ -76,8 +80,8 @@ impl<R: Real> BandMatrix<R> {
     #[inline(always)]
     fn index(&self, i: usize, j: usize) -> usize {
         match self.symmetric {
-            true => j * self.width + i - j,
-            false => i * self.width + self.profile.half_bandwidth() + j - i,
+            true => self.starts[j] + i - j,
+            false => self.starts[i] + self.profile.half_bandwidth() + j - i,
         }
     }
 
@@ -113,7 +117,7 @@ impl<R: Real> BandMatrix<R> {
     #[inline(always)]
     pub(super) fn line(&self, i: usize) -> &[R] {
         match i < self.written {
-            true => &self.data[i * self.width..][..self.width],
+            true => &self.data[self.starts[i]..self.starts[i + 1]],
             false => &self.zeros,
         }
     }
@@ -122,7 +126,7 @@ impl<R: Real> BandMatrix<R> {
     #[inline(always)]
     fn write_up_to(&mut self, line: usize) {
         if line >= self.written {
-            let fresh = self.written * self.width..(line + 1) * self.width;
+            let fresh = self.starts[self.written]..self.starts[line + 1];
             self.data[fresh].fill(R::zero());
             self.written = line + 1;
         }
@@ -131,6 +135,11 @@ impl<R: Real> BandMatrix<R> {
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
         self.written = 0;
+    }
+
+    /// Exchanges the storage for that of factors.
+    pub(super) fn exchange(&mut self, columns: &mut Vec<R>) {
+        std::mem::swap(&mut self.data, columns);
     }
 
     /// Entry `(i, j)`; zero outside the envelope.
@@ -181,13 +190,13 @@ impl<R: Real> BandMatrix<R> {
             });
         }
         self.write_up_to(p + n - 1);
-        let start = self.index(q, p);
-        let stride = self.width;
         for (t, m) in row.iter().enumerate() {
             // Sections about their centroid couple positions with no slope across.
             if !m.is_nothing() {
-                let entries = self.data[start + t * n..].iter_mut().step_by(stride);
-                entries.take(n).for_each(|entry| *entry += factor * *m);
+                for c in 0..n {
+                    let entry = self.index(q + t * n + c, p + c);
+                    self.data[entry] += factor * *m;
+                }
             }
         }
         Ok(())
@@ -287,9 +296,9 @@ impl<R: Real> BandMatrix<R> {
         Lines {
             profile: &self.profile,
             symmetric: self.symmetric,
-            width: self.width,
+            starts: &self.starts,
             lines: 0..end,
-            data: &mut self.data[..end * self.width],
+            data: &mut self.data[..self.starts[end]],
             written: self.written,
             whole: Some(&mut self.written),
         }
@@ -358,7 +367,7 @@ impl<R: Real> BandMatrix<R> {
     /// the same triangles.
     pub fn copy_from(&mut self, other: &Self) -> Result<()> {
         self.check_alike(other)?;
-        let written = other.written * self.width;
+        let written = self.starts[other.written];
         self.data[..written].copy_from_slice(&other.data[..written]);
         self.written = other.written;
         Ok(())
@@ -374,7 +383,7 @@ impl<R: Real> BandMatrix<R> {
         if let Some(last) = other.written.checked_sub(1) {
             self.write_up_to(last);
         }
-        let written = other.written * self.width;
+        let written = self.starts[other.written];
         for (a, b) in self.data.iter_mut().zip(&other.data[..written]) {
             *a += alpha * *b;
         }
@@ -393,13 +402,34 @@ impl<R: Real> BandMatrix<R> {
     }
 }
 
+/// Numbers that a register of heavy work reaches at most beyond the end of a column.
+pub(super) const fn overrun<R>() -> usize {
+    const BYTES: usize = 32;
+    match BYTES / size_of::<R>() {
+        0 => 0,
+        lanes => lanes - 1,
+    }
+}
+
+/// Where the columns of a lower triangle start, each from the diagonal down with room for the
+/// overrun of registers, and where the last ends.
+pub(super) fn column_starts<R>(profile: &Profile) -> Vec<usize> {
+    let mut starts = vec![0];
+    let mut end = 0;
+    for (j, last) in profile.reach().iter().enumerate() {
+        end += last + 1 - j + overrun::<R>();
+        starts.push(end);
+    }
+    starts
+}
+
 /// Lines in a row of a [`BandMatrix`]: what one thread may write while others write the rest. Those that
 /// it leaves unwritten are zero in the end.
 #[derive(Debug)]
 pub(in crate::solver) struct Lines<'a, R: Real> {
     profile: &'a Profile,
     symmetric: bool,
-    width: usize,
+    starts: &'a [usize],
     lines: Range<usize>,
     data: &'a mut [R],
     /// Lines from this one on are zero, whatever `data` holds.
@@ -418,11 +448,13 @@ impl<R: Real> Lines<'_, R> {
         let Range { start, end } = self.lines;
         let written = self.written;
         self.written = written.max(end);
-        let (left, right) = self.data.split_at_mut((line - start) * self.width);
+        let (left, right) = self
+            .data
+            .split_at_mut(self.starts[line] - self.starts[start]);
         let part = |lines, data, written| Lines {
             profile: self.profile,
             symmetric: self.symmetric,
-            width: self.width,
+            starts: self.starts,
             lines,
             data,
             written,
@@ -438,8 +470,8 @@ impl<R: Real> Lines<'_, R> {
     #[inline(always)]
     fn write_up_to(&mut self, line: usize) {
         if line >= self.written {
-            let start = self.lines.start;
-            let fresh = (self.written - start) * self.width..(line + 1 - start) * self.width;
+            let start = self.starts[self.lines.start];
+            let fresh = self.starts[self.written] - start..self.starts[line + 1] - start;
             self.data[fresh].fill(R::zero());
             self.written = line + 1;
         }
@@ -460,12 +492,11 @@ impl<R: Real> Lines<'_, R> {
             }
             self.write_up_to(row);
         }
-        let first = self.lines.start;
+        let (first, half) = (self.starts[self.lines.start], self.profile.half_bandwidth());
         for i in 0..n {
-            let (width, half) = (self.width, self.profile.half_bandwidth());
             // Stored by columns from the diagonal on, or by rows in which the block starts before it.
             let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
-            let target = |lane: usize| Some((start(lane)? + i - first) * width + shift - i);
+            let target = |lane: usize| Some(self.starts[start(lane)? + i] - first + shift - i);
             L::scatter(&block[i * n + from..(i + 1) * n], self.data, target);
         }
         Ok(())

@@ -111,12 +111,9 @@ impl<R: Real> Workspace<R> {
         balance: &Balance<R>,
         u: &[R],
     ) -> Result<R> {
-        // With inertia the tangent at hand holds the mass, too. Few solves come to ask, so it is not
-        // found before.
-        if equations.inertia.is_some() {
-            self.tangent.clear();
-            self.add_tangent(structure, equations, u, None)?;
-        }
+        // Factors took the place of the tangent, and the mass is not wanted here. Few solves come to ask.
+        self.tangent.clear();
+        self.add_tangent(structure, equations, u, None)?;
         let floor = self.rounding(structure, u)?;
         Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
     }
