@@ -13,7 +13,7 @@ use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, sum};
+use crate::tensor::{add_scaled, add_times, array, between, sum, times};
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
 /// stretching, bending about each axis and torsion part.
@@ -41,6 +41,9 @@ struct Dyad<R> {
 struct Block<R> {
     row: usize,
     column: usize,
+    /// Dyads of two vectors with a factor, four of five of all.
+    pairs: Vec<(usize, usize, R)>,
+    /// Dyads with sums.
     dyads: Vec<Dyad<R>>,
 }
 
@@ -237,7 +240,7 @@ impl<R: Real> Block<R> {
             (_, true) => Some(pair / S),
             _ => None,
         };
-        let mut dyads = Vec::new();
+        let (mut pairs, mut dyads) = (Vec::new(), Vec::new());
         for group in groups {
             for (p, pair) in group.pairs.iter().enumerate() {
                 let Some(left) = other(*pair, row) else {
@@ -249,13 +252,22 @@ impl<R: Real> Block<R> {
                     Some((right, *value))
                 });
                 for some in rights.collect::<Vec<_>>().chunks(WIDE) {
+                    if let [(right, value)] = some {
+                        pairs.push((left, *right, *value));
+                        continue;
+                    }
                     let mut right = [(left, R::zero()); WIDE];
                     right[..some.len()].copy_from_slice(some);
                     dyads.push(Dyad { left, right });
                 }
             }
         }
-        Self { row, column, dyads }
+        Self {
+            row,
+            column,
+            pairs,
+            dyads,
+        }
     }
 
     /// Adds the dyads of vectors out of two sets.
@@ -265,10 +277,17 @@ impl<R: Real> Block<R> {
         (lefts, rights): (&[[T; D]; S], &[[T; D]; S]),
         block: &mut [[T; D]; D],
     ) {
+        // The minima are identities; they let the optimiser drop the bounds checks.
+        for (left, right, value) in &self.pairs {
+            let along = times(*value, &rights[(*right).min(S - 1)]);
+            let left = &lefts[(*left).min(S - 1)];
+            for c in 0..D {
+                add_scaled(&mut block[c], left[c], &along);
+            }
+        }
         for Dyad { left, right } in &self.dyads {
             let mut along = [T::zero(); D];
             for (l, value) in right {
-                // The minima are identities; they let the optimiser drop the bounds checks.
                 add_times(&mut along, *value, &rights[(*l).min(S - 1)]);
             }
             let left = &lefts[(*left).min(S - 1)];
@@ -282,41 +301,44 @@ impl<R: Real> Block<R> {
 /// Products that go through the form at once.
 const ROWS: usize = 4;
 
+/// What is conjugate to `N` products: rows of the form times the changes of a group's.
+#[inline(always)]
+fn stress_of<R: Real, T: Algebra<R>, const N: usize>(
+    rows: &[R],
+    own: &[usize],
+    pairs: &[usize],
+    g: &[T],
+    sigma: &mut [T],
+) {
+    // The minimum is the identity; it lets the optimiser drop the bounds checks.
+    let (count, last) = (pairs.len(), g.len() - 1);
+    let rows: [&[R]; N] = array(|r| &rows[r * count..][..count]);
+    let mut sums = [T::zero(); N];
+    for m in 0..count {
+        let g = g[pairs[m].min(last)];
+        for r in 0..N {
+            sums[r] = sums[r].plus_times(rows[r][m], g);
+        }
+    }
+    for r in 0..N {
+        sigma[own[r].min(last)] = sums[r];
+    }
+}
+
 impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
     /// What is conjugate to the products, for pairs `i <= j`.
     #[inline(always)]
     fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S], stress: &mut [[T; S]; S]) {
         let g = changes.as_flattened();
         let sigma = stress.as_flattened_mut();
-        // The minimum is the identity; it lets the optimiser drop the bounds checks.
-        let place = |pair: usize| pair.min(S * S - 1);
         for Group { pairs, form } in &self.groups {
             let count = pairs.len();
-            let rows = form.chunks(ROWS * count).zip(pairs.chunks(ROWS));
-            for (rows, own) in rows {
-                match <&[usize; ROWS]>::try_from(own) {
-                    Ok(own) => {
-                        let rows: [&[R]; ROWS] = array(|r| &rows[r * count..][..count]);
-                        let mut sums = [T::zero(); ROWS];
-                        for m in 0..count {
-                            let g = g[place(pairs[m])];
-                            for r in 0..ROWS {
-                                sums[r] = sums[r].plus_times(rows[r][m], g);
-                            }
-                        }
-                        for r in 0..ROWS {
-                            sigma[place(own[r])] = sums[r];
-                        }
-                    }
-                    Err(_) => {
-                        for (row, own) in rows.chunks_exact(count).zip(own) {
-                            let mut sum = T::zero();
-                            for (value, pair) in row.iter().zip(pairs) {
-                                sum = sum.plus_times(*value, g[place(*pair)]);
-                            }
-                            sigma[place(*own)] = sum;
-                        }
-                    }
+            for (rows, own) in form.chunks(ROWS * count).zip(pairs.chunks(ROWS)) {
+                match own.len() {
+                    ROWS => stress_of::<R, T, ROWS>(rows, own, pairs, g, sigma),
+                    3 => stress_of::<R, T, 3>(rows, own, pairs, g, sigma),
+                    2 => stress_of::<R, T, 2>(rows, own, pairs, g, sigma),
+                    _ => stress_of::<R, T, 1>(rows, own, pairs, g, sigma),
                 }
             }
         }

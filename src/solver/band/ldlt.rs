@@ -346,14 +346,16 @@ impl<R: Real> Ldlt<R> {
                 after[p][i] = before[p][i] * inverse[p];
             }
         }
-        let mut trusted = Mask::ALL;
+        // The least of what the pivots are above nothing and above rounding, and what tells whether all
+        // of them are numbers.
+        let (mut least, mut sum) = (before[0][0], R::zero());
         for p in 0..P {
             let pivot = before[p][p];
             let noise = R::lit(NOISE * R::EPSILON) * self.diagonal[j + p];
-            let sound = !pivot.at_most(R::zero()) & !pivot.at_most(noise);
-            trusted = trusted & sound & Mask::from(pivot.finite());
+            least = least.smaller(pivot).smaller(pivot - noise);
+            sum += pivot;
         }
-        if !(definite && trusted.all()) {
+        if !(definite && sum.finite() && !least.at_most(R::zero()).any()) {
             let pivots = Pivots { before, after };
             if !self.watch(j, pivots, matrix, definite)? {
                 return Ok(false);
@@ -398,14 +400,17 @@ impl<R: Real> Ldlt<R> {
         while k + 1 < below {
             let (own, next) = (starts[P + k] - starts[P], starts[P + k + 1] - starts[P]);
             let (first, second) = open[own..].split_at_mut(next - own);
-            let mut factors = [[R::zero(); P]; 2];
+            let mut factors = [[L::zero(); P]; 2];
             for (p, unscaled) in unscaled.iter().enumerate() {
                 for c in 0..2 {
-                    factors[c][p] = -unscaled[k + c];
+                    factors[c][p] = L::lift(-unscaled[k + c]);
                 }
             }
-            let pivots = array(|p| scaled[p][k]);
-            first[0] = alike::<R, L, P>(first[0], &factors[0], &pivots);
+            let mut pivots = [R::zero(); P];
+            for (pivot, scaled) in pivots.iter_mut().zip(scaled) {
+                *pivot = scaled[k];
+            }
+            add_one(&mut first[0], &factors[0], &pivots);
             // Slices of one length, so that their bounds are checked once.
             let reached = below - k - 1 + L::WIDTH - 1;
             let (first, second) = (&mut first[1..][..reached], &mut second[..reached]);
@@ -416,7 +421,7 @@ impl<R: Real> Ldlt<R> {
                 for p in 0..P {
                     let along = L::load(&scaled[p][i..]);
                     for c in 0..2 {
-                        entries[c] = entries[c].plus_times(factors[c][p], along);
+                        entries[c] = entries[c].plus_product(along, factors[c][p]);
                     }
                 }
                 entries[0].store(&mut first[i..]);
@@ -426,24 +431,30 @@ impl<R: Real> Ldlt<R> {
             k += 2;
         }
         if k < below {
-            let (factors, pivots) = (array(|p| -unscaled[p][k]), array(|p| scaled[p][k]));
-            let diagonal = &mut open[starts[P + k] - starts[P]];
-            *diagonal = alike::<R, L, P>(*diagonal, &factors, &pivots);
+            let (mut factors, mut pivots) = ([L::zero(); P], [R::zero(); P]);
+            for p in 0..P {
+                (factors[p], pivots[p]) = (L::lift(-unscaled[p][k]), scaled[p][k]);
+            }
+            add_one(&mut open[starts[P + k] - starts[P]], &factors, &pivots);
         }
         Ok(true)
     }
 }
 
-/// `entry + sum_p factors_p pivots_p` for one entry, rounded as where a register holds more of them.
+/// Adds `sum_p factors_p pivots_p` to one entry, rounded as where a register holds more of them.
 #[inline(always)]
-fn alike<R: Real, L: Lanes<R>, const P: usize>(entry: R, factors: &[R; P], pivots: &[R; P]) -> R {
-    let mut sum = L::lift(entry);
+fn add_one<R: Real, L: Lanes<R>, const P: usize>(entry: &mut R, factors: &[L; P], pivots: &[R; P]) {
+    let mut sum = L::lift(*entry);
     for p in 0..P {
-        sum = sum.plus_times(factors[p], L::lift(pivots[p]));
+        sum = sum.plus_product(L::lift(pivots[p]), factors[p]);
+    }
+    if L::WIDTH == 1 {
+        sum.store(std::slice::from_mut(entry));
+        return;
     }
     let mut lanes = [R::zero(); SUMS];
     sum.store(&mut lanes);
-    lanes[0]
+    *entry = lanes[0];
 }
 
 struct Factorisation<'a, R> {
