@@ -1,6 +1,6 @@
 //! Throughput of the rows of a sweep in lanes against the same rows one after the other, on one
-//! thread, both measured by turns in one run: 8 scenes of 10 elements, assembly included.
-//! `cargo bench --bench ensembles`
+//! thread, and in lanes on all cores: by turns in one run, as many times 8 scenes of 10 elements as
+//! there are cores, assembly included. `cargo bench --bench ensembles`
 
 use std::time::Instant;
 
@@ -68,26 +68,32 @@ fn compare<const P: usize>(
     experiment: &impl Experiment<P>,
     row: impl Fn(f64) -> [f64; P],
 ) -> Result<()> {
-    let alone = Sweep::list((0..8).map(|n| row(f64::from(n))).collect())?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let rows = (0..8 * cores).map(|n| row((n % 8) as f64));
+    let alone = Sweep::list(rows.collect())?;
     let lanes = alone.clone().in_lanes();
-    let mut best = [f64::INFINITY; 2];
+    let spread = lanes.clone().on_threads(cores)?;
+    let mut best = [f64::INFINITY; 3];
     let mut apart = 0.0_f64;
     for _ in 0..7 {
-        let results = [(&alone, 0), (&lanes, 1)].map(|(sweep, which)| {
+        let results = [(&alone, 0), (&lanes, 1), (&spread, 2)].map(|(sweep, which)| {
             let start = Instant::now();
             let results = sweep.run(experiment);
             best[which] = best[which].min(start.elapsed().as_secs_f64());
             results
         });
-        for (one, lane) in results[0].rows().iter().zip(results[1].rows()) {
-            for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
-                apart = apart.max((one - lane).abs());
+        let [one_by_one, others @ ..] = &results;
+        for other in others {
+            for (one, lane) in one_by_one.rows().iter().zip(other.rows()) {
+                for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
+                    apart = apart.max((one - lane).abs());
+                }
             }
         }
     }
-    let [alone, lanes] = best.map(|time| 1e3 * time);
-    let ratio = alone / lanes;
-    println!("{name:22} {alone:9.2} {lanes:9.2} {ratio:6.2} {apart:9.1e}");
+    let [alone, lanes, spread] = best.map(|time| 1e3 * time / cores as f64);
+    let (ratio, all) = (alone / lanes, alone / spread);
+    println!("{name:22} {alone:9.2} {lanes:9.2} {ratio:6.2} {spread:9.2} {all:6.2} {apart:9.1e}");
     Ok(())
 }
 
@@ -95,7 +101,7 @@ fn main() -> Result<()> {
     let rod = |n: f64| [2.0e7 * (1.0 + 0.05 * n), 0.01 * (1.0 + 0.02 * n)];
     let loaded = |n: f64| [rod(n)[0], rod(n)[1], 0.1 * (1.0 + 0.1 * n)];
     let (newmark, conserving) = (Newmark::trapezoidal(), EnergyMomentum::conserving());
-    println!("ms for 8 scenes        one by one  in lanes  ratio  apart (m)");
+    println!("ms for 8 scenes        one by one  in lanes  ratio  all cores  ratio  apart (m)");
     compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
     compare("plane, statics", &Cantilever::<2>, loaded)?;
     compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;

@@ -1,7 +1,8 @@
 //! How close the kernels come to what the processor can do: `cargo bench --bench roofline`. A number
 //! type that counts its operations runs through every kernel and gives its flops; loops of fused
 //! multiply-adds in the same lanes, in the same run, give the peak. Kernels of one element stay in
-//! the first cache, so that arithmetic is all that bounds them.
+//! the first cache, so that arithmetic is all that bounds them; what bounds long chains, whose factors
+//! do not, is how fast memory is read and written.
 
 use std::cell::Cell;
 use std::hint::black_box;
@@ -253,7 +254,32 @@ where
     row::<_, true, D, S>(name, &kernel, peak);
 }
 
+/// GB/s of one thread that reads, and that reads and writes, numbers far from any cache.
+fn memory() -> [f64; 2] {
+    let mut numbers = vec![1.0_f64; 1 << 25];
+    let gigabytes = (numbers.len() * size_of::<f64>()) as f64 / 1e9;
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..7 {
+        let start = Instant::now();
+        let mut sums = [0.0; 32];
+        for row in numbers.chunks_exact(sums.len()) {
+            for (sum, x) in sums.iter_mut().zip(row) {
+                *sum += x;
+            }
+        }
+        black_box(sums);
+        best[0] = best[0].min(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        numbers.iter_mut().for_each(|x| *x *= 1.0 + 1e-9);
+        black_box(&mut numbers);
+        best[1] = best[1].min(start.elapsed().as_secs_f64());
+    }
+    [gigabytes / best[0], 2.0 * gigabytes / best[1]]
+}
+
 fn main() {
+    let [read, changed] = memory();
+    println!("memory: {read:.1} GB/s read, {changed:.1} GB/s read and written");
     let (time, flops) = best(|times| f64::dispatch(Peak { times }));
     let peak = 2.0 * flops as f64 / time;
     println!("peak of fused multiply-adds: {peak:.1} Gflop/s");

@@ -103,8 +103,11 @@ where
                     let method = Newmark::trapezoidal();
                     let run = Integration::start(&system, system.rest(), &method);
                     let mut run = run.expect("a run");
+                    // Pages of memory that are asked for first take longer than a step.
+                    run.until(1e-3, Stepping::Fixed(1e-3), |_| {})
+                        .expect("a step");
                     let start = ThreadTime::now();
-                    run.until(4e-3, Stepping::Fixed(1e-3), |_| {})
+                    run.until(5e-3, Stepping::Fixed(1e-3), |_| {})
                         .expect("four steps");
                     spent += start.elapsed();
                 }
@@ -137,11 +140,43 @@ where
                     system.add_internal(black_box(&u), &mut q);
                     k.clear();
                     system.add_tangent(0.0, 1.0, &u, &mut k).expect("a tangent");
-                    factor.factor(k.stored()).expect("a definite matrix");
                     x.fill(1.0);
-                    factor.solve(&mut x).expect("factors");
+                    factor
+                        .factor_and_solve(k.stored(), &mut x)
+                        .expect("a definite matrix");
                 })
             });
+        });
+    }
+    group.finish();
+}
+
+/// A step of a long chain, by the clock, on one thread and on two of rayon's.
+#[cfg(feature = "rayon")]
+fn threads(c: &mut Criterion) {
+    let mut group = c.benchmark_group("four steps in space, 65536 elements, threads");
+    let system = pendulum::<3, 8>(Held::Pinned, 6553.6, 65536);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().expect("threads");
+        group.throughput(Throughput::Elements(4 * 65536));
+        group.bench_function(BenchmarkId::from_parameter(threads), |b| {
+            let method = Newmark::trapezoidal();
+            b.iter_batched(
+                || {
+                    let mut run =
+                        Integration::start(&system, system.rest(), &method).expect("a run");
+                    run.until(1e-3, Stepping::Fixed(1e-3), |_| {})
+                        .expect("a step");
+                    run
+                },
+                |mut run| {
+                    pool.install(|| run.until(5e-3, Stepping::Fixed(1e-3), |_| {}))
+                        .expect("four steps");
+                    run
+                },
+                criterion::BatchSize::PerIteration,
+            );
         });
     }
     group.finish();
@@ -179,6 +214,8 @@ fn all(c: &mut Criterion) {
     iteration::<3, 8>(c, "static iteration in space, elements");
     iteration::<2, 6>(c, "static iteration in the plane, elements");
     factorisation(c);
+    #[cfg(feature = "rayon")]
+    threads(c);
 }
 
 /// Short measurements, whose noise is that of the machine.

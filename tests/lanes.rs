@@ -2,10 +2,11 @@
 //! at run time and the portable ones agree to rounding, and a chain of elements gives the same in
 //! lanes as element by element, whatever its length and wherever in a group an element falls.
 
-use ancf::formulation::{ElementKernel, KernelWork, Reference, Tangent};
+use ancf::formulation::{CableEnergy, ElementKernel, KernelWork, Reference, Tangent};
 use ancf::prelude::*;
 use ancf::scalar::{LaneWork, Lanes};
 use ancf::solver::Matrix;
+use ancf::verify::ByPoints;
 use simba::simd::{WideF32x8, WideF64x4};
 
 /// Every operation of a lane type on `count` numbers, padded to whole lanes.
@@ -148,16 +149,14 @@ fn axis<R: Real, const D: usize>(k: usize) -> [R; D] {
 
 type Solid<R, const D: usize> = SaintVenantKirchhoff<R, D>;
 
-fn system<R: Real, const D: usize, const S: usize>(
-    rule: &Continuum<Solid<R, D>>,
-    n: usize,
-) -> System<R, D>
+fn system<R, E, F, const D: usize, const S: usize>(element: E, rule: &F, n: usize) -> System<R, D>
 where
-    FullyParameterised: Element<D, S>,
-    Continuum<Solid<R, D>>: Formulation<R, FullyParameterised, D, S>,
+    R: Real,
+    E: Element<D, S>,
+    F: Formulation<R, E, D, S> + Clone,
 {
     let disk = Disk::new(R::lit(0.05)).unwrap();
-    let beam = Beam::new(FullyParameterised, disk, rule.clone());
+    let beam = Beam::new(element, disk, rule.clone());
     let end = axis::<R, D>(0).map(|c| c * R::lit(0.25 * n as f64));
     let mut scene = Scene::<R, D>::new();
     scene.add(beam.straight([R::zero(); D], end, n)).unwrap();
@@ -169,22 +168,21 @@ fn largest<R: Real>(values: &[R]) -> f64 {
 }
 
 /// Energy, force and tangent of chains of 1 to 20 elements against their elements one by one.
-fn check_chains<R: Real, const D: usize, const S: usize>()
+fn check_chains<R, E, F, const D: usize, const S: usize>(element: E, rule: &F)
 where
-    FullyParameterised: Element<D, S>,
-    Continuum<Solid<R, D>>: Formulation<R, FullyParameterised, D, S>,
+    R: Real,
+    E: Element<D, S>,
+    F: Formulation<R, E, D, S> + Clone,
 {
-    let solid = Solid::<R, D>::isotropic(R::lit(1e6), R::lit(0.3)).unwrap();
-    let rule = Continuum::selective_reduced(solid);
     let disk = Disk::new(R::lit(0.05)).unwrap();
-    let reference =
-        Reference::straight(&FullyParameterised, R::lit(0.25), std::array::from_fn(axis));
-    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    let reference = Reference::straight(&element, R::lit(0.25), std::array::from_fn(axis));
+    let kernel = rule.kernel(&element, &reference, &disk).unwrap();
     assert!(kernel.dispatch(Width) >= 4);
+    let stride = (E::NODES - 1) * E::VECTORS.len() * D;
     // Rounding of some hundred terms on either side.
     let small = 200.0 * R::EPSILON;
     for n in 1..=20 {
-        let system = system::<R, D, S>(&rule, n);
+        let system = system::<R, E, F, D, S>(element, rule, n);
         let mut state = system.rest();
         let size = state.displacement.len();
         for (i, u) in state.displacement.iter_mut().enumerate() {
@@ -204,7 +202,7 @@ where
         let mut sum = Matrix::zero(system.unknowns(), false);
         let mut energy = R::zero();
         for element in 0..n {
-            let start = element * S * D / 2;
+            let start = element * stride;
             let own: [[R; D]; S] =
                 std::array::from_fn(|i| std::array::from_fn(|c| u[start + i * D + c]));
             energy += kernel.energy(&own);
@@ -248,12 +246,31 @@ where
     }
 }
 
+/// All formulations that run in lanes, of one dimension and number type.
+macro_rules! check_all {
+    ($r:ty, $d:literal, $s:literal, $q:literal) => {{
+        let solid = Solid::<$r, $d>::isotropic(1e6, 0.3).unwrap();
+        let rule = Continuum::selective_reduced(solid);
+        check_chains::<$r, _, _, $d, $s>(FullyParameterised, &rule);
+        let points = Continuum::full(ByPoints(solid));
+        check_chains::<$r, _, _, $d, $s>(FullyParameterised, &points);
+        check_chains::<$r, _, _, $d, $q>(Quadratic, &StructuralMechanics::new(&solid));
+        for energy in [
+            CableEnergy::MaterialCurvature,
+            CableEnergy::GeometricCurvature,
+        ] {
+            let cable = EulerBernoulli::new(&solid).with_energy(energy);
+            check_chains::<$r, _, _, $d, 4>(Cable, &cable);
+        }
+    }};
+}
+
 #[test]
 fn a_chain_is_the_sum_of_its_elements() {
-    check_chains::<f64, 3, 8>();
-    check_chains::<f64, 2, 6>();
-    check_chains::<f32, 3, 8>();
-    check_chains::<f32, 2, 6>();
+    check_all!(f64, 3, 8, 9);
+    check_all!(f64, 2, 6, 6);
+    check_all!(f32, 3, 8, 9);
+    check_all!(f32, 2, 6, 6);
 }
 
 /// All nodes displaced alike strain all elements alike: forces on inner nodes are then the same to
@@ -262,7 +279,7 @@ fn a_chain_is_the_sum_of_its_elements() {
 fn equal_elements_give_equal_forces_to_the_last_bit() {
     let solid = Solid::<f64, 3>::isotropic(1e6, 0.3).unwrap();
     for n in [2, 7, 21] {
-        let system = system::<f64, 3, 8>(&Continuum::full(solid), n);
+        let system = system::<f64, _, _, 3, 8>(FullyParameterised, &Continuum::full(solid), n);
         let displacement = |i: usize| 0.1 * (1.3 * (i % 12) as f64).cos();
         let u: Vec<f64> = (0..12 * (n + 1)).map(displacement).collect();
         let mut q = vec![0.0; u.len()];

@@ -3,7 +3,9 @@
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::solver::{Matrix, Structure};
+use ancf::scalar::Algebra;
+use ancf::scene::Placed;
+use ancf::solver::{Matrix, Profile, Structure, Unknowns};
 
 /// Enough for several cuts, and not a multiple of anything.
 const ELEMENTS: usize = 2603;
@@ -194,4 +196,161 @@ fn threads_change_no_bit_of_a_run() {
         pool.build().unwrap().install(|| swung(1100))
     };
     assert!(on(1) == on(2));
+}
+
+/// A spring to the ground.
+#[derive(Debug)]
+struct Spring;
+
+impl<R: Real> Connector<R, 2, 1> for Spring {
+    fn energy<T: Algebra<R>>(&self, [[x, y]]: &[[T; 2]; 1]) -> T {
+        (*x * *x + *y * *y) * T::lit(5e3)
+    }
+}
+
+/// What is told to be complete is what the whole tangent holds there, whatever else acts on a chain.
+#[test]
+fn complete_unknowns_gain_nothing_more() {
+    let scene = |add: &dyn Fn(&mut Scene<f64, 2>, Placed)| {
+        let beam = Beam::new(FullyParameterised, Disk::new(0.05).unwrap(), rule());
+        let beam = beam.straight([0.0; 2], [0.25 * 1200.0, 0.0], 1200);
+        let mut scene = Scene::<f64, 2>::new();
+        let beam = scene.add(beam.density(1000.0)).unwrap();
+        scene.clamp(beam.start()).unwrap();
+        add(&mut scene, beam);
+        scene.assemble().unwrap()
+    };
+    let nothing = |_: &mut Scene<f64, 2>, _: Placed| {};
+    let held = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        scene.pin(beam.node(300)).unwrap();
+        scene.pin(beam.end()).unwrap();
+        scene.force(beam.node(700), [1.0, 2.0]).unwrap();
+    };
+    let turned = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        let moment = Moment::about_z(1e3);
+        scene.moment(beam.node(100), moment).unwrap();
+    };
+    let heavy = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        scene.mass(beam.node(100), 50.0).unwrap();
+    };
+    let sprung = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        let at = (beam.node(100), NodalVector::Position);
+        scene.connect([at], Spring).unwrap();
+    };
+    let together = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        let [near, far] = [50, 60].map(|n| (beam.node(n), NodalVector::Position));
+        scene
+            .constrain(&[(near.0, near.1, 1, 1.0), (far.0, far.1, 1, -2.0)])
+            .unwrap();
+    };
+    let two = |scene: &mut Scene<f64, 2>, beam: Placed| {
+        let other = Beam::new(FullyParameterised, Disk::new(0.05).unwrap(), rule());
+        let other = other.straight([0.0, 0.0], [0.0, 300.0], 1200);
+        let other = scene.add(other.density(1000.0)).unwrap();
+        scene
+            .join(beam.start(), other.start(), Joint::Spherical)
+            .unwrap();
+    };
+    let all: [(&str, &dyn Fn(&mut Scene<f64, 2>, Placed), bool); 7] = [
+        ("nothing", &nothing, true),
+        ("supports", &held, true),
+        ("a moment", &turned, false),
+        ("a mass", &heavy, false),
+        ("a spring", &sprung, false),
+        ("a condition", &together, false),
+        ("two beams", &two, false),
+    ];
+    for (name, add, early) in all {
+        let system = scene(add);
+        let u = moved(&system, 0.0);
+        let size = system.unknowns().count();
+        let mut k = Matrix::zero(system.unknowns(), true);
+        system
+            .add_tangent_and_mass(0.3, 1.0, &u, 7.0, &mut k)
+            .unwrap();
+        let line = |k: &Matrix<f64>, i: usize| -> Vec<f64> {
+            let last = size.min(i + 13);
+            (i..last).map(|j| k.stored().get(i, j)).collect()
+        };
+        let whole: Vec<_> = (0..size).map(|i| line(&k, i)).collect();
+        k.clear();
+        let (mut told, mut times) = (0, 0);
+        system
+            .add_tangent_in_order(0.3, 1.0, &u, Some(7.0), &mut k, &mut |k, ready| {
+                assert!(ready >= told && ready <= size, "{name}");
+                for i in told..ready {
+                    assert_eq!(line(k, i), whole[i], "{name}: unknown {i}");
+                }
+                (told, times) = (ready, times + 1);
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(
+            times > 5 && told > size / 2,
+            early,
+            "{name}: {times} {told}"
+        );
+        for i in told..size {
+            assert_eq!(line(&k, i), whole[i], "{name}: unknown {i}");
+        }
+    }
+}
+
+/// One spring, and one that goes slack as it is pushed back: then nothing is added for it.
+struct Slack(Unknowns<f64>);
+
+impl Structure<f64> for Slack {
+    fn unknowns(&self) -> &Unknowns<f64> {
+        &self.0
+    }
+    fn symmetric(&self) -> bool {
+        true
+    }
+    fn measure(&self) -> &[f64] {
+        &[1.0, 1.0]
+    }
+    fn add_internal(&self, u: &[f64], q: &mut [f64]) {
+        q[0] += u[0];
+        q[1] += u[1].max(0.0).powi(2);
+    }
+    fn add_external(&self, _: f64, _: f64, _: &[f64], q: &mut [f64]) -> ancf::Result<()> {
+        q[0] += 1.0;
+        q[1] -= 0.3;
+        Ok(())
+    }
+    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut Matrix<f64>) -> ancf::Result<()> {
+        k.add(0, 0, 1.0)?;
+        match u[1] > 0.0 {
+            true => k.add(1, 1, 2.0 * u[1]),
+            false => Ok(()),
+        }
+    }
+    fn has_mass(&self) -> bool {
+        false
+    }
+    fn add_mass_times(&self, _: f64, _: &[f64], _: &mut [f64]) {}
+    fn add_mass(&self, _: f64, _: &mut Matrix<f64>) -> ancf::Result<()> {
+        Ok(())
+    }
+}
+
+/// A line that nothing was added to is zero, whatever factors were kept there before: here those of the
+/// iterations at 2, 0.925 and 0.30 before the one at -0.35.
+#[test]
+fn what_is_not_added_is_not_stiff() {
+    let profile = Profile::from_ranges(2, [0..1, 1..2]).unwrap();
+    let slack = Slack(Unknowns::all(profile));
+    let zeros = || vec![0.0; 2];
+    let mut state = State {
+        time: 0.0,
+        displacement: vec![0.0, 2.0],
+        velocity: zeros(),
+        acceleration: zeros(),
+        work: 0.0,
+    };
+    let solved = Statics::default().solve(&slack, &mut state);
+    assert!(
+        matches!(solved, Err(ancf::Error::Mechanism { .. })),
+        "{solved:?}"
+    );
 }

@@ -244,7 +244,7 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
             Self::Bending(energy, stiffness) => {
                 let bend = Bend::of(energy, reference, h);
                 let moment = bend.moment(stiffness);
-                bend.add_stiffness(stiffness, &moment, k);
+                bend.write_stiffness(stiffness, &moment, k);
                 bend.resultants(&moment)
             }
         }
@@ -384,7 +384,7 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
 
     /// Writes the second derivatives of the energy.
     #[inline(always)]
-    fn add_stiffness(&self, stiffness: R, moment: &[T; 3], k: &mut SectionStiffness<T, D, 2>) {
+    fn write_stiffness(&self, stiffness: R, moment: &[T; 3], k: &mut SectionStiffness<T, D, 2>) {
         let Self { x, power, .. } = *self;
         let along = self.along(moment);
         let [by_x, by_y] = self.by_turns(moment);

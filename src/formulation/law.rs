@@ -19,7 +19,7 @@ pub type SectionStiffness<T, const D: usize, const K: usize> = [[[[T; D]; D]; K]
 pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     Debug + Send + Sync + 'static
 {
-    /// Whether chains of elements take this law in SIMD lanes: some four times faster where every
+    /// Whether chains of elements take this law in SIMD lanes: several times faster where every
     /// function of it down to the arithmetic is inlined (`#[inline(always)]`), slower where one is
     /// not, and machine code for each kind of register. By default they do not.
     const LANES: bool = false;

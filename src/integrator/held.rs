@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Matrix, Structure, Unknowns, each_gradient};
+use crate::solver::{Matrix, Ready, Structure, Unknowns, each_gradient};
 
 /// Where a step's constraints act, `at` the time half way, and where they hold, the time `end`.
 #[derive(Debug, Clone, Copy)]
@@ -114,6 +114,18 @@ impl<R: Real, S: Structure<R>> Structure<R> for Middle<'_, R, S> {
     ) -> Result<()> {
         self.structure
             .add_tangent_and_mass(time, factor, u, mass, k)
+    }
+    fn add_tangent_in_order(
+        &self,
+        time: R,
+        factor: R,
+        u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        ready: Ready<'_, R>,
+    ) -> Result<()> {
+        self.structure
+            .add_tangent_in_order(time, factor, u, mass, k, ready)
     }
     fn name(&self, i: usize) -> String {
         self.structure.name(i)

@@ -338,12 +338,12 @@ impl<R: Real, const D: usize> NodalLoad<R, D> {
         }
     }
 
-    /// Subtracts the derivative of the generalised forces from a tangent.
     /// Whether [`subtract_tangent`](Self::subtract_tangent) does anything.
     pub(super) fn has_tangent(&self) -> bool {
         matches!(self.action, Action::Moment { .. })
     }
 
+    /// Subtracts the derivative of the generalised forces from a tangent.
     pub(super) fn subtract_tangent(
         &self,
         amplitude: R,

@@ -195,7 +195,7 @@ impl<R: Real> Factor<R> {
     /// [`Error::NotFinite`] as in factorisation.
     pub(super) fn advance(&mut self, matrix: &mut Stored<R>, lines: usize) -> Result<bool> {
         match (&mut self.ldlt, matrix.envelope()) {
-            (Some(ldlt), Some(matrix)) => ldlt.advance(matrix, lines),
+            (Some(ldlt), Some(matrix)) => ldlt.advance(matrix, lines.min(self.profile.size())),
             _ => Ok(false),
         }
     }
@@ -280,6 +280,15 @@ impl<R: Real> Factor<R> {
             Held::Ldlt => self.ldlt.as_ref().map(Ldlt::negative),
             Held::Sparse => self.sparse.as_ref().map(SparseLdlt::negative),
             Held::Lu | Held::Nothing => None,
+        }
+    }
+
+    /// Whether the last matrix is known to be positive definite, in every lane.
+    pub(super) fn definite(&self) -> bool {
+        match (self.held, &self.ldlt, &self.sparse) {
+            (Held::Ldlt, Some(ldlt), _) => ldlt.definite(),
+            (Held::Sparse, _, Some(sparse)) => sparse.negative() == 0,
+            _ => false,
         }
     }
 

@@ -55,6 +55,8 @@ pub(crate) struct Workspace<R> {
     factored: bool,
     /// Whether tangents are taken for definite: as long as the last one was.
     definite: bool,
+    /// Whether the matrix still holds a tangent, and not what factorisation left of it.
+    assembled: bool,
     /// Whether the factors are those of the mass alone.
     held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
@@ -117,6 +119,7 @@ impl<R: Real> Workspace<R> {
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
             definite: true,
+            assembled: false,
             held_mass: false,
             current: false,
             force: R::zero(),
@@ -280,6 +283,7 @@ impl<R: Real> Workspace<R> {
             if stuck.any() {
                 self.tangent.clear();
                 self.add_tangent(structure, &equations, u, None)?;
+                self.assembled = true;
                 let rounding = self.rounding(structure, structure.measure())? / self.unit();
                 at_floor |= stuck & balance.residual.at_most(rounding);
             }
@@ -398,7 +402,8 @@ impl<R: Real> Workspace<R> {
             }
             false => factor.factor(matrix),
         };
-        self.definite = self.factor.inertia() == Some(0);
+        self.assembled = true;
+        self.definite = self.factor.definite();
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {
             // Without inertia what moves freely is seen by geometry alone.
@@ -440,6 +445,7 @@ impl<R: Real> Workspace<R> {
             return Ok(false);
         }
         k.clear();
+        self.assembled = false;
         let mut sound = true;
         structure.add_tangent_in_order(time, factor, u, mass, k, &mut |k, ready| {
             if sound {
@@ -447,6 +453,7 @@ impl<R: Real> Workspace<R> {
             }
             Ok(())
         })?;
+        sound = sound && factors.advance(k.stored_mut(), unknowns.count())?;
         self.definite = sound;
         if sound {
             factors.keep(k.stored_mut(), solving.then_some(&mut self.unknown));

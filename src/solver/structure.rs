@@ -179,9 +179,10 @@ pub trait Structure<R: Real> {
         self.add_mass(mass, k)
     }
 
-    /// Adds the tangent and, with a `mass`, that times `M`, and tells as it goes how many of the first
-    /// unknowns nothing more is added to: elimination follows while the caches hold their lines. By
-    /// default that is told in the end.
+    /// Adds the tangent and, with a `mass`, that times `M`, and may tell as it goes how many of the first
+    /// unknowns are complete, which means that nothing more is added to an entry of theirs: elimination
+    /// follows while the caches hold their lines, and leaves nothing of these that can be read. What is
+    /// not told of counts as complete in the end; by default that is all.
     ///
     /// # Errors
     /// Those of [`add_tangent`](Self::add_tangent), [`add_mass`](Self::add_mass) and `ready`.
@@ -192,13 +193,12 @@ pub trait Structure<R: Real> {
         u: &[R],
         mass: Option<R>,
         k: &mut Matrix<R>,
-        ready: Ready<'_, R>,
+        _ready: Ready<'_, R>,
     ) -> Result<()> {
         match mass {
-            Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k)?,
-            None => self.add_tangent(time, factor, u, k)?,
+            Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k),
+            None => self.add_tangent(time, factor, u, k),
         }
-        ready(k, self.unknowns().count())
     }
 
     /// What coordinate `i` is, in words, for messages.

@@ -1,6 +1,7 @@
-//! Long chains in shares: by halves, and those by halves again, which the threads of rayon's pool take
-//! where the feature `rayon` is on. Where a chain is cut depends on its length alone, and the element
-//! over a cut comes after both sides: results are the same for any number of threads, and without them.
+//! Long chains in shares: by halves, and those by halves again, which the threads of a rayon pool take
+//! where the feature `rayon` is on and the work is done in one. The element over a cut comes after both
+//! sides, and no more than two elements meet in a sum that starts from nothing: results are the same
+//! wherever a chain is cut, for any number of threads, and without them.
 
 use std::ops::Range;
 
@@ -102,7 +103,8 @@ where
 
     /// Does a task that adds to a matrix for all elements: of a long chain together for those that
     /// follow each other in an envelope, and for those at supports and joints between them. Who is
-    /// `ready` for complete unknowns is told of them piece by piece, unless threads share the work.
+    /// `ready` for complete unknowns is told of them piece by piece, larger ones where threads share
+    /// them.
     pub(super) fn share_matrix<T>(
         &self,
         task: &T,
@@ -116,9 +118,10 @@ where
         if count < 2 * SHARE || k.stored().is_sparse() {
             return self.share(task, 0..count, &mut Sink::Matrix(k));
         }
-        let piece = match ready.is_some() && !shared::<R>() {
-            true => PIECE,
-            false => count,
+        let piece = match (&ready, threads::<R>()) {
+            (None, _) => count,
+            (Some(_), 1) => PIECE,
+            (Some(_), threads) => 2 * SHARE * threads,
         };
         let mut next = 0;
         while next < count {
@@ -185,13 +188,14 @@ impl<R: Real> Sink<'_, R> {
     }
 }
 
-/// Whether threads share the work. Packs stay on theirs: whether their lanes have parted is told by
-/// thread.
-fn shared<R: Real>() -> bool {
+/// How many threads share the work: those of the pool that it is done in. Packs stay on theirs: whether
+/// their lanes have parted is told by thread.
+fn threads<R: Real>() -> usize {
     #[cfg(feature = "rayon")]
-    return R::LANES == 1 && rayon::current_num_threads() > 1;
-    #[cfg(not(feature = "rayon"))]
-    false
+    if R::LANES == 1 && rayon::current_thread_index().is_some() {
+        return rayon::current_num_threads();
+    }
+    1
 }
 
 /// Runs both, on two threads where there are.
@@ -200,7 +204,7 @@ fn join<R: Real, T: Send>(
     right: impl FnOnce() -> T + Send,
 ) -> (T, T) {
     #[cfg(feature = "rayon")]
-    if shared::<R>() {
+    if threads::<R>() > 1 {
         return rayon::join(left, right);
     }
     (left(), right())

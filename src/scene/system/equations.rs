@@ -190,14 +190,13 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         let stiff = self.loads.iter().any(NodalLoad::has_tangent);
         match &self.bodies[..] {
             [body] if self.connectors.is_empty() && self.masses.is_empty() && !stiff => {
-                body.elastic().tangent_in_order(u, mass, k, ready)?;
+                body.elastic().tangent_in_order(u, mass, k, ready)
             }
             _ => match mass {
-                Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k)?,
-                None => self.add_tangent(time, factor, u, k)?,
+                Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k),
+                None => self.add_tangent(time, factor, u, k),
             },
         }
-        ready(k, self.unknowns.count())
     }
 
     fn secant(&self) -> Secant {

@@ -102,6 +102,10 @@ impl<R: Real> Ldlt<R> {
         self.negative.value() as usize
     }
 
+    pub(super) fn definite(&self) -> bool {
+        self.negative.at_most(R::zero()).all()
+    }
+
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.negative)?;
         // What lies behind a column depends on the processor.
@@ -139,7 +143,8 @@ impl<R: Real> Ldlt<R> {
         self.negative = R::zero();
         self.along = x.is_some();
         if let Some(x) = x {
-            self.vector[..x.len()].copy_from_slice(x);
+            let vector = self.take(x);
+            self.vector = vector;
         }
     }
 
@@ -147,6 +152,11 @@ impl<R: Real> Ldlt<R> {
     /// may be added. False where the matrix turns out not to be definite: what it holds is then of no
     /// more use.
     pub(super) fn advance(&mut self, matrix: &mut BandMatrix<R>, lines: usize) -> Result<bool> {
+        let Some(last) = lines.checked_sub(1) else {
+            return Ok(true);
+        };
+        // What was written there before are factors.
+        matrix.write_up_to(last);
         let mut vector = std::mem::take(&mut self.vector);
         matrix.exchange(&mut self.columns);
         let sound = R::dispatch(Factorisation {
@@ -182,7 +192,10 @@ impl<R: Real> Ldlt<R> {
     /// The vector that is worked on, with the numbers of `x`.
     fn take(&mut self, x: &[R]) -> Vec<R> {
         let mut vector = std::mem::take(&mut self.vector);
-        vector[..x.len()].copy_from_slice(x);
+        let (own, behind) = vector.split_at_mut(x.len());
+        own.copy_from_slice(x);
+        // Infinite forces leave what is no number there.
+        behind.fill(R::zero());
         vector
     }
 

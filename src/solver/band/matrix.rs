@@ -124,7 +124,7 @@ impl<R: Real> BandMatrix<R> {
 
     /// Has all lines up to this one written.
     #[inline(always)]
-    fn write_up_to(&mut self, line: usize) {
+    pub(super) fn write_up_to(&mut self, line: usize) {
         if line >= self.written {
             let fresh = self.starts[self.written]..self.starts[line + 1];
             self.data[fresh].fill(R::zero());

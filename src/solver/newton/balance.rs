@@ -111,9 +111,13 @@ impl<R: Real> Workspace<R> {
         balance: &Balance<R>,
         u: &[R],
     ) -> Result<R> {
-        // Factors took the place of the tangent, and the mass is not wanted here. Few solves come to ask.
-        self.tangent.clear();
-        self.add_tangent(structure, equations, u, None)?;
+        // With inertia the tangent at hand holds the mass, too, and factors may have taken its place. Few
+        // solves come to ask, so it is not kept.
+        if equations.inertia.is_some() || !self.assembled {
+            self.tangent.clear();
+            self.add_tangent(structure, equations, u, None)?;
+            self.assembled = true;
+        }
         let floor = self.rounding(structure, u)?;
         Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
     }

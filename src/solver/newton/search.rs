@@ -37,11 +37,14 @@ impl<R: Real> Workspace<R> {
             let left = self.work_left(structure);
             let known = balance.residual.finite() && left.finite();
             let closed = balance.scale * R::lit(settings.residual);
-            let enough = left >= -work * R::lit(SLACK)
-                || balance.residual <= closed
-                || balance.residual <= self.leftover(structure, equations, &balance, u)?;
             // Along a direction in which the energy grows there is nothing to find.
-            if (known && enough) || work <= R::zero() {
+            let enough = work <= R::zero()
+                || (known
+                    && (left >= -work * R::lit(SLACK)
+                        || balance.residual <= closed
+                        || balance.residual
+                            <= self.leftover(structure, equations, &balance, u)?));
+            if enough {
                 break;
             }
             let secant = match known {
