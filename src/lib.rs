@@ -50,7 +50,7 @@
 //! | [`material`] | strain energies: St Venant-Kirchhoff |
 //! | [`element`] | shape functions: fully parameterised, quadratic shear-deformable, cable |
 //! | [`formulation`] | what is sampled where: full, reduced, selective reduced, zero Poisson, your own; Euler-Bernoulli cables, structural mechanics; co-moving frame |
-//! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to |
+//! | [`scene`] | beams, rigid bodies, supports, joints, constraints, loads, gravity, and the system they assemble to; threads for long chains with the feature `rayon` |
 //! | [`solver`] | band and sparse factorisation, Newton's method, statics, path following with its limit and bifurcation points, natural frequencies and buckling loads |
 //! | [`integrator`] | Newmark's family, midpoint, energy-momentum, collocation, central differences; fixed, halved and error-controlled steps, events, checkpoints |
 //! | [`sweep`] | one experiment for many parameters, in lanes, threads and shards |
