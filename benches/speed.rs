@@ -29,6 +29,21 @@ fn axes<R: Real, const D: usize>() -> [[R; D]; D] {
     std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }))
 }
 
+/// One kernel, with or without the tangent, alone.
+fn alone<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    kernel: &Kn,
+) where
+    R: Real,
+    Kn: ElementKernel<R, D, S>,
+{
+    group.throughput(Throughput::Elements(1));
+    group.bench_function(name, |b| {
+        b.iter_custom(|times| Timed::<_, TANGENT, D, S> { kernel, times }.run::<R>().1);
+    });
+}
+
 /// One kernel, with or without the tangent: alone, and in the lanes that chains use.
 fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
@@ -43,10 +58,7 @@ fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
         "force"
     };
     let timed = |times| Timed::<_, TANGENT, D, S> { kernel, times };
-    group.throughput(Throughput::Elements(1));
-    group.bench_function(BenchmarkId::new(what, "alone"), |b| {
-        b.iter_custom(|times| timed(times).run::<R>().1);
-    });
+    alone::<R, _, TANGENT, D, S>(group, &format!("{what}/alone"), kernel);
     let (width, _) = R::dispatch(timed(1));
     group.throughput(Throughput::Elements(width as u64));
     group.bench_function(BenchmarkId::new(what, format!("{width} lanes")), |b| {
@@ -128,7 +140,8 @@ macro_rules! elements {
     }};
 }
 
-/// What the co-moving frame adds to the 35 points of full integration.
+/// What the co-moving frame adds to the 35 points of full integration, one element at a time: frames
+/// have no lanes.
 fn co_moving<R: Real>(c: &mut Criterion, name: &str) {
     let rule = Continuum::full(ByPoints(rubber::<R, 3>()));
     let disk = Disk::new(R::lit(0.01)).expect("a radius");
@@ -139,8 +152,12 @@ fn co_moving<R: Real>(c: &mut Criterion, name: &str) {
     let moving = CoMoving(rule)
         .kernel(&FullyParameterised, &reference, &disk)
         .expect("a rule of full rank");
-    kernel(c, &format!("{name}, plain"), &plain);
-    kernel(c, &format!("{name}, co-moving"), &moving);
+    let mut group = c.benchmark_group(name);
+    alone::<R, _, false, 3, 8>(&mut group, "force, plain", &plain);
+    alone::<R, _, false, 3, 8>(&mut group, "force, co-moving", &moving);
+    alone::<R, _, true, 3, 8>(&mut group, "force and tangent, plain", &plain);
+    alone::<R, _, true, 3, 8>(&mut group, "force and tangent, co-moving", &moving);
+    group.finish();
 }
 
 fn all(c: &mut Criterion) {

@@ -53,6 +53,12 @@ pub(crate) fn add_times<R: Copy, T: Algebra<R>, const D: usize>(y: &mut [T; D], 
     }
 }
 
+/// `k x`.
+#[inline(always)]
+pub(crate) fn scaled<T: Scalar, const D: usize>(k: T, x: &[T; D]) -> [T; D] {
+    array(|c| k * x[c])
+}
+
 /// `r x` with `r` a parameter of the model.
 #[inline(always)]
 pub(crate) fn times<R: Copy, T: Algebra<R>, const D: usize>(r: R, x: &[T; D]) -> [T; D] {
@@ -76,9 +82,7 @@ pub(crate) fn between<R: Copy, T: Algebra<R>, const D: usize, const N: usize>(
     to: &[[T; D]; N],
     share: R,
 ) -> [[T; D]; N] {
-    std::array::from_fn(|i| {
-        std::array::from_fn(|c| from[i][c] + (to[i][c] - from[i][c]).times(share))
-    })
+    array(|i| array(|c| from[i][c] + (to[i][c] - from[i][c]).times(share)))
 }
 
 /// The two Gauss points of the interval from 0 to 1, of equal weight.

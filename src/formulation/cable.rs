@@ -2,7 +2,7 @@
 //! and no torsion. The literature has two strain energies of this kind under one name; both are
 //! here, with resultants and stiffness in closed form.
 
-use super::change::changes;
+use super::change::{changes, values};
 use super::sampled::{Sample, SampledKernel};
 use super::{Formulation, Reference, SectionLaw, SectionStiffness};
 use crate::element::Element;
@@ -11,7 +11,7 @@ use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::gauss_legendre;
 use crate::scalar::{Algebra, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, array, dot};
+use crate::tensor::{add_scaled, array, dot, scaled, times};
 
 /// Which strains the energy `1/2 EA eps^2 + 1/2 EI kappa^2` of a cable is made of. They differ by
 /// terms of the size of the axial strain: 0.1 % in the benchmark of Gerstmayr and Irschik (2008).
@@ -206,7 +206,7 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
             Self::Stretching(energy, stiffness) => {
                 let stretch = Stretch::of(energy, reference, h);
                 let force = (stretch.strain * stretch.slope).times(stiffness * stretch.unit);
-                [stretch.tangent.map(|c| c * force), [T::zero(); D]]
+                [scaled(force, &stretch.tangent), [T::zero(); D]]
             }
             Self::Bending(energy, stiffness) => {
                 let bend = Bend::of(energy, reference, h);
@@ -236,10 +236,10 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
                 let along = (slope * slope + strain * steeper).times(stiffness * unit);
                 *k = [[[[T::zero(); D]; D]; 2]; 2];
                 for c in 0..D {
-                    k[0][0][c] = tangent.map(|t| t * tangent[c] * along);
+                    k[0][0][c] = scaled(tangent[c] * along, &tangent);
                     k[0][0][c][c] += force;
                 }
-                [tangent.map(|c| c * force), [T::zero(); D]]
+                [scaled(force, &tangent), [T::zero(); D]]
             }
             Self::Bending(energy, stiffness) => {
                 let bend = Bend::of(energy, reference, h);
@@ -284,7 +284,7 @@ impl<R: Real, T: Algebra<R>, const D: usize> Stretch<R, T, D> {
             }
         };
         Self {
-            tangent: tangent.map(|c| c.value),
+            tangent: values(&tangent),
             strain,
             slope,
             steeper,
@@ -323,19 +323,18 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
             CableEnergy::GeometricCurvature => (per_square * per_length, 3.0, length0),
         };
         let turns = wedge(&tangent, &bend);
-        let by = |factor: f64, x: T| (x * per_square.value).times(R::lit(factor));
-        let slope = by(-exponent, power.value);
+        let slope = (power.value * per_square.value).times(R::lit(-exponent));
         let mut curvature = [T::zero(); 3];
         for m in 0..Self::TURNS {
             curvature[m] = (turns[m] * power).change;
         }
         Self {
-            x: tangent.map(|c| c.value),
-            y: bend.map(|c| c.value),
-            turn: turns.map(|c| c.value),
+            x: values(&tangent),
+            y: values(&bend),
+            turn: values(&turns),
             power: power.value,
             slope,
-            steeper: by(-exponent - 2.0, slope),
+            steeper: (slope * per_square.value).times(R::lit(-exponent - 2.0)),
             curvature,
             unit,
         }
@@ -354,7 +353,7 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
         let ([by_x, by_y], x) = (self.by_turns(moment), &self.x);
         [
             array(|c| by_x[c] * self.power + x[c] * along),
-            by_y.map(|c| c * self.power),
+            scaled(self.power, &by_y),
         ]
     }
 
@@ -371,15 +370,10 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
     /// Derivatives of `moment . (x x y)` by `x` and `y`: `y x moment` and `moment x x`.
     #[inline(always)]
     fn by_turns(&self, moment: &[T; 3]) -> [[T; D]; 2] {
-        let beside = |a: &[T; D]| -> [T; D] {
-            let m = moment;
-            array(|c| match (D, c) {
-                (3, _) => a[(c + 1) % D] * m[(c + 2) % 3] - a[(c + 2) % D] * m[(c + 1) % 3],
-                (_, 0) => a[1] * m[0],
-                _ => -(a[0] * m[0]),
-            })
-        };
-        [beside(&self.y), beside(&self.x).map(|c| -c)]
+        [
+            beside(&self.y, moment),
+            scaled(-T::one(), &beside(&self.x, moment)),
+        ]
     }
 
     /// Writes the second derivatives of the energy.
@@ -413,8 +407,10 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
         for m in 0..Self::TURNS {
             let unit = array(|n| if n == m { T::one() } else { T::zero() });
             let [g, f] = self.resultants(&unit);
-            let [stiff_g, stiff_f]: [[T; D]; 2] =
-                [g, f].map(|v| v.map(|c| c.times(stiffness * self.unit)));
+            let (stiff_g, stiff_f) = (
+                times(stiffness * self.unit, &g),
+                times(stiffness * self.unit, &f),
+            );
             for c in 0..D {
                 add_scaled(&mut k[0][0][c], stiff_g[c], &g);
                 add_scaled(&mut k[0][1][c], stiff_g[c], &f);
@@ -424,10 +420,20 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
     }
 }
 
+/// `a x m`, in the plane for `m` along the normal, whose one component comes first.
+#[inline(always)]
+fn beside<T: Scalar, const D: usize>(a: &[T; D], m: &[T; 3]) -> [T; D] {
+    array(|c| match (D, c) {
+        (3, _) => a[(c + 1) % D] * m[(c + 2) % 3] - a[(c + 2) % D] * m[(c + 1) % 3],
+        (_, 0) => a[1] * m[0],
+        _ => -(a[0] * m[0]),
+    })
+}
+
 /// Components of `a x b` in space; in the plane the one component that there is, with its sign.
 #[inline(always)]
 fn wedge<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; 3] {
-    std::array::from_fn(|k| match (k + 1, k + 2) {
+    array(|k| match (k + 1, k + 2) {
         (i, j) if D == 3 => a[i % D] * b[j % D] - a[j % D] * b[i % D],
         _ if k == 0 => a[0] * b[1] - a[1] * b[0],
         _ => T::zero(),

@@ -8,6 +8,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use num_traits::{One, Zero};
 
 use crate::scalar::{Algebra, Field, Scalar};
+use crate::tensor::array;
 
 /// A value and its change since the reference state. Sums, products, quotients and roots of such
 /// numbers carry the change along without ever forming the difference of two values.
@@ -35,12 +36,18 @@ pub fn changes<R: Copy, T: Algebra<R>, const D: usize, const K: usize>(
     reference: &[[R; D]; K],
     h: &[[T; D]; K],
 ) -> [[Change<T>; D]; K] {
-    std::array::from_fn(|k| {
-        std::array::from_fn(|c| Change {
+    array(|k| {
+        array(|c| Change {
             value: T::lift(reference[k][c]) + h[k][c],
             change: h[k][c],
         })
     })
+}
+
+/// The vector as it is now.
+#[inline(always)]
+pub(super) fn values<T: Copy, const D: usize>(v: &[Change<T>; D]) -> [T; D] {
+    array(|c| v[c].value)
 }
 
 impl<T: Scalar> Change<T> {

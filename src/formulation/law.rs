@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_times, between, gauss_pair};
+use crate::tensor::{add_times, array, between, gauss_pair};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
 /// sampled vectors `a` and `b`. Only blocks with `a <= b` are used,
@@ -108,9 +108,9 @@ where
     T: Algebra<R>,
     L: SectionLaw<R, D, K> + ?Sized,
 {
-    std::array::from_fn(|k| {
+    array(|k| {
         let energy = law.energy(reference, &varied(h, k));
-        std::array::from_fn(|c| T::derivative::<D>(&energy, c))
+        array(|c| T::derivative::<D>(&energy, c))
     })
 }
 
@@ -136,7 +136,7 @@ where
                 }
             }
         }
-        resultants[b] = std::array::from_fn(|c| T::real_part::<D>(&dual[b][c]));
+        resultants[b] = array(|c| T::real_part::<D>(&dual[b][c]));
     }
     resultants
 }
@@ -154,13 +154,13 @@ where
     T: Algebra<R>,
     L: SectionLaw<R, D, K> + ?Sized,
 {
-    let from = from.map(|h| h.map(|x| x.constant::<D>()));
+    let from: [[T::Dual<D>; D]; K] = array(|k| array(|c| from[k][c].constant::<D>()));
     let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
     for b in 0..K {
         let dual = law.secant(viscosity, reference, &from, &varied(to, b));
         for a in 0..K {
             for c in 0..D {
-                stiffness[a][b][c] = std::array::from_fn(|d| T::derivative::<D>(&dual[a][c], d));
+                stiffness[a][b][c] = array(|d| T::derivative::<D>(&dual[a][c], d));
             }
         }
     }
@@ -173,8 +173,8 @@ pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
     vectors: &[[T; D]; K],
     k: usize,
 ) -> [[T::Dual<D>; D]; K] {
-    std::array::from_fn(|a| {
-        std::array::from_fn(|c| match a == k {
+    array(|a| {
+        array(|c| match a == k {
             true => vectors[a][c].variable(c),
             false => vectors[a][c].constant(),
         })
@@ -185,7 +185,6 @@ pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
 mod tests {
     use super::*;
     use crate::formulation::{BeamStiffness, CableEnergy, CableSection, StructuralSection};
-    use crate::tensor::array;
 
     /// A law reduced to its energy.
     #[derive(Debug)]

@@ -4,7 +4,7 @@
 use super::law::{SectionLaw, SectionStiffness};
 use crate::material::{Material, green_lagrange};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, cross, dot, sum};
+use crate::tensor::{add_scaled, add_times, array, between, cross, dot};
 
 /// A material sampled at points of the section of a beam whose position is linear in the cross
 /// coordinates. Its `K = 2 D - 1` vectors are `r'`, the cross slopes `r_y`[, `r_z`] and their
@@ -75,7 +75,7 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
             "r', D - 1 cross slopes and their derivatives"
         )
     };
-    let mut columns: [[T; D]; D] = std::array::from_fn(|a| g[a]);
+    let mut columns: [[T; D]; D] = array(|a| g[a]);
     for m in 1..D {
         add_times(&mut columns[0], y[m], &g[first_column::<D>(m)]);
     }
@@ -404,7 +404,7 @@ fn total<R: Real, T: Algebra<R>, const D: usize>(
     initial: &[[R; D]; D],
     displacement: &[[T; D]; D],
 ) -> [[T; D]; D] {
-    std::array::from_fn(|a| sum(&displacement[a], &initial[a].map(T::lift)))
+    array(|a| array(|c| displacement[a][c] + T::lift(initial[a][c])))
 }
 
 /// Adds one section point to the second derivatives of the section's energy by the station

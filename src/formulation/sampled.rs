@@ -113,8 +113,7 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
     ) {
         for k in 0..K {
             for l in 0..K {
-                let block: [[T; D]; D] =
-                    std::array::from_fn(|c| times(self.weight, &stiffness[k][l][c]));
+                let block: [[T; D]; D] = array(|c| times(self.weight, &stiffness[k][l][c]));
                 for (i, left) in self.rows[k].iter() {
                     for (j, right) in self.rows[l].iter() {
                         for c in 0..D {

@@ -2,7 +2,7 @@
 //! slopes of an ANCF element, after Nachbagauer, Gruber and Gerstmayr (2013). Stiffness is given
 //! by constants, as most benchmarks of beams are.
 
-use super::change::{Change, changes};
+use super::change::{Change, changes, values};
 use super::sampled::{SampledKernel, section_samples};
 use super::{Formulation, Reference, SectionLaw, SectionStiffness, varied};
 use crate::element::Element;
@@ -11,7 +11,7 @@ use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::{Cubature, gauss_legendre};
 use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, array, cross, dot, sum, times};
+use crate::tensor::{add_scaled, array, cross, dot, scaled, sum, times};
 
 /// Stiffness of a beam about its section axes `y` and `z`. In the plane only `axial`, `shear[0]`
 /// and `bending[1]` matter.
@@ -311,7 +311,7 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for Structural
                 let g = current(reference, h);
                 let fixed = array(|m| forces[m].constant::<D>());
                 for b in 1..D {
-                    let rod = Rod::of(&varied(&g, b), |x: T::Dual<D>| x.sqrt().recip());
+                    let rod = Rod::of(&varied(&g, b), rsqrt);
                     let dual: [[T::Dual<D>; D]; K] = rod.resultants(&fixed);
                     for (a, c) in (0..K).flat_map(|a| (0..D).map(move |c| (a, c))) {
                         for d in 0..D {
@@ -338,7 +338,7 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for Structural
                     } else {
                         R::lit(0.5) * stiffness
                     };
-                    let [left, right] = [a, b].map(|k| times(share, &g[k]));
+                    let (left, right) = (times(share, &g[a]), times(share, &g[b]));
                     for c in 0..D {
                         k[a][b][c][c] += stress;
                         add_scaled(&mut k[a][b][c], right[c], &g[a]);
@@ -398,9 +398,14 @@ fn shape_strain<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     b: usize,
 ) -> T {
     let half = R::lit(0.5);
-    let middle =
-        |k: usize| -> [T; D] { array(|c| T::lift(reference[k][c]).plus_times(half, h[k][c])) };
-    (dot(&middle(a), &h[b]) + dot(&middle(b), &h[a])).times(half)
+    let mut twice = T::zero();
+    for (k, l) in [(a, b), (b, a)] {
+        for c in 0..D {
+            let middle = T::lift(reference[k][c]).plus_times(half, h[k][c]);
+            twice = twice.plus_product(middle, h[l][c]);
+        }
+    }
+    twice.times(half)
 }
 
 /// A rod in space: the sampled vectors and the section frame `e_3 = r_z / |r_z|`, `e_1` along
@@ -423,11 +428,10 @@ impl<N: Scalar> Rod<N> {
     #[inline(always)]
     fn of<const D: usize, const K: usize>(g: &[[N; D]; K], rsqrt: impl Fn(N) -> N) -> Self {
         let (zero, one) = (N::zero(), N::one());
-        let space = |k: usize| -> [N; 3] { array(|c| if c < D { g[k][c] } else { zero }) };
-        let (tangent, y) = (space(0), space(1));
+        let (tangent, y) = (in_space(g, 0), in_space(g, 1));
         let (z, y_turn, z_turn) = match D {
-            2 => ([zero, zero, one], space(2), [zero; 3]),
-            _ => (space(2), space(3), space(4)),
+            2 => ([zero, zero, one], in_space(g, 2), [zero; 3]),
+            _ => (in_space(g, 2), in_space(g, 3), in_space(g, 4)),
         };
         let normal = cross(&y, &z);
         let turn = sum(&cross(&y_turn, &z), &cross(&y, &z_turn));
@@ -482,11 +486,6 @@ impl<N: Scalar> Rod<N> {
         let by_e1 = sum(&by_e1, &cross(&by_e2, e3));
         let by_e3 = sum(&scaled(shear_z, &self.tangent), &cross(e1, &by_e2));
         // By the vectors that are made unit ones, and by their lengths.
-        let across = |by: &[N; 3], e: &[N; 3], per_length: N, more: N| -> [N; 3] {
-            let mut all = scaled(per_length, by);
-            add_scaled(&mut all, -(dot(e, by) + more) * per_length, e);
-            all
-        };
         let lengthened = about_z * dot(e2, &self.turn);
         let by_normal = across(&by_e1, e1, self.per_normal, lengthened);
         let lengthened = about_y * dot(e1, &self.z_turn) - about_x * dot(e2, &self.z_turn);
@@ -502,7 +501,8 @@ impl<N: Scalar> Rod<N> {
         let mut by_z_turn = scaled(about_y, e1);
         add_scaled(&mut by_z_turn, -about_x, e2);
         add_scaled(&mut by_z_turn, about_z, &cross(e2, &self.y));
-        array(|k| {
+        let mut all = [[N::zero(); D]; K];
+        for k in 0..K {
             let by = match (D, k) {
                 (_, 0) => &by_tangent,
                 (_, 1) => &by_y,
@@ -510,24 +510,47 @@ impl<N: Scalar> Rod<N> {
                 (_, 2) => &by_z,
                 _ => &by_z_turn,
             };
-            array(|c| by[c])
-        })
+            all[k].copy_from_slice(&by[..D]);
+        }
+        all
     }
+}
+
+/// One over the square root.
+#[inline(always)]
+fn rsqrt<N: Field>(x: N) -> N {
+    x.sqrt().recip()
+}
+
+/// A sampled vector in space.
+#[inline(always)]
+fn in_space<N: Scalar, const D: usize, const K: usize>(g: &[[N; D]; K], k: usize) -> [N; 3] {
+    let mut vector = [N::zero(); 3];
+    vector[..D].copy_from_slice(&g[k]);
+    vector
+}
+
+/// By a vector what is given by the unit vector `e` along it, and `more` by its length.
+#[inline(always)]
+fn across<N: Scalar>(by: &[N; 3], e: &[N; 3], per_length: N, more: N) -> [N; 3] {
+    let mut all = scaled(per_length, by);
+    add_scaled(&mut all, -(dot(e, by) + more) * per_length, e);
+    all
 }
 
 impl<T: Field> Rod<Change<T>> {
     /// The rod as it is now.
     #[inline(always)]
     fn now(&self) -> Rod<T> {
-        let value = |v: &[Change<T>; 3]| -> [T; 3] { array(|c| v[c].value) };
+        let [e1, e2, e3] = &self.frame;
         Rod {
-            tangent: value(&self.tangent),
-            y: value(&self.y),
-            z: value(&self.z),
-            y_turn: value(&self.y_turn),
-            z_turn: value(&self.z_turn),
-            frame: array(|i| value(&self.frame[i])),
-            turn: value(&self.turn),
+            tangent: values(&self.tangent),
+            y: values(&self.y),
+            z: values(&self.z),
+            y_turn: values(&self.y_turn),
+            z_turn: values(&self.z_turn),
+            frame: [values(e1), values(e2), values(e3)],
+            turn: values(&self.turn),
             per_z: self.per_z.value,
             per_normal: self.per_normal.value,
         }
@@ -546,10 +569,4 @@ impl<T: Field> Rod<Change<T>> {
         }
         forces
     }
-}
-
-/// `k x`.
-#[inline(always)]
-fn scaled<N: Scalar>(k: N, x: &[N; 3]) -> [N; 3] {
-    array(|c| k * x[c])
 }

@@ -6,6 +6,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use num_traits::{One, Zero};
 
 use super::{Algebra, Field, Scalar};
+use crate::tensor::array;
 
 /// A value with `N` derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +60,7 @@ impl<T: Field, const N: usize> Jet<T, N> {
     fn chain(self, value: T, slope: T) -> Self {
         Self {
             re: value,
-            eps: self.eps.map(|d| d * slope),
+            eps: array(|k| self.eps[k] * slope),
         }
     }
 
@@ -67,7 +68,7 @@ impl<T: Field, const N: usize> Jet<T, N> {
     fn combine(self, other: Self, re: T, f: impl Fn(T, T) -> T) -> Self {
         Self {
             re,
-            eps: std::array::from_fn(|k| f(self.eps[k], other.eps[k])),
+            eps: array(|k| f(self.eps[k], other.eps[k])),
         }
     }
 }
@@ -111,7 +112,7 @@ impl<T: Field, const N: usize> Neg for Jet<T, N> {
     fn neg(self) -> Self {
         Self {
             re: -self.re,
-            eps: self.eps.map(|d| -d),
+            eps: array(|k| -self.eps[k]),
         }
     }
 }
@@ -227,7 +228,7 @@ impl<R: Copy, T: Algebra<R>, const N: usize> Algebra<R> for Jet<T, N> {
     fn times(self, r: R) -> Self {
         Self {
             re: self.re.times(r),
-            eps: self.eps.map(|d| d.times(r)),
+            eps: array(|k| self.eps[k].times(r)),
         }
     }
     by_jet!();
