@@ -313,12 +313,12 @@ impl Structure<f64> for Slack {
         q[0] += u[0];
         q[1] += u[1].max(0.0).powi(2);
     }
-    fn add_external(&self, _: f64, _: f64, _: &[f64], q: &mut [f64]) -> ancf::Result<()> {
+    fn add_external(&self, _: f64, _: f64, _: &[f64], q: &mut [f64]) -> Result<()> {
         q[0] += 1.0;
         q[1] -= 0.3;
         Ok(())
     }
-    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut Matrix<f64>) -> ancf::Result<()> {
+    fn add_tangent(&self, _: f64, _: f64, u: &[f64], k: &mut Matrix<f64>) -> Result<()> {
         k.add(0, 0, 1.0)?;
         match u[1] > 0.0 {
             true => k.add(1, 1, 2.0 * u[1]),
@@ -329,7 +329,7 @@ impl Structure<f64> for Slack {
         false
     }
     fn add_mass_times(&self, _: f64, _: &[f64], _: &mut [f64]) {}
-    fn add_mass(&self, _: f64, _: &mut Matrix<f64>) -> ancf::Result<()> {
+    fn add_mass(&self, _: f64, _: &mut Matrix<f64>) -> Result<()> {
         Ok(())
     }
 }
@@ -350,7 +350,7 @@ fn what_is_not_added_is_not_stiff() {
     };
     let solved = Statics::default().solve(&slack, &mut state);
     assert!(
-        matches!(solved, Err(ancf::Error::Mechanism { .. })),
+        matches!(solved, Err(Error::Mechanism { .. })),
         "{solved:?}"
     );
 }
