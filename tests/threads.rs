@@ -198,6 +198,9 @@ fn threads_change_no_bit_of_a_run() {
     assert!(on(1) == on(2));
 }
 
+/// What acts on a chain, stated in its scene.
+type Acts = dyn Fn(&mut Scene<f64, 2>, Placed);
+
 /// A spring to the ground.
 #[derive(Debug)]
 struct Spring;
@@ -211,7 +214,7 @@ impl<R: Real> Connector<R, 2, 1> for Spring {
 /// What is told to be complete is what the whole tangent holds there, whatever else acts on a chain.
 #[test]
 fn complete_unknowns_gain_nothing_more() {
-    let scene = |add: &dyn Fn(&mut Scene<f64, 2>, Placed)| {
+    let scene = |add: &Acts| {
         let beam = Beam::new(FullyParameterised, Disk::new(0.05).unwrap(), rule());
         let beam = beam.straight([0.0; 2], [0.25 * 1200.0, 0.0], 1200);
         let mut scene = Scene::<f64, 2>::new();
@@ -251,7 +254,7 @@ fn complete_unknowns_gain_nothing_more() {
             .join(beam.start(), other.start(), Joint::Spherical)
             .unwrap();
     };
-    let all: [(&str, &dyn Fn(&mut Scene<f64, 2>, Placed), bool); 7] = [
+    let all: [(&str, &Acts, bool); 7] = [
         ("nothing", &nothing, true),
         ("supports", &held, true),
         ("a moment", &turned, false),
@@ -349,8 +352,5 @@ fn what_is_not_added_is_not_stiff() {
         work: 0.0,
     };
     let solved = Statics::default().solve(&slack, &mut state);
-    assert!(
-        matches!(solved, Err(Error::Mechanism { .. })),
-        "{solved:?}"
-    );
+    assert!(matches!(solved, Err(Error::Mechanism { .. })), "{solved:?}");
 }
