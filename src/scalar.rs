@@ -211,9 +211,12 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     }
     /// The largest of the real parts of its computations: for reports.
     fn largest(self) -> f64 {
+        // What is no number stays none.
         (0..Self::LANES)
             .map(|n| self.lane(n))
-            .fold(f64::NEG_INFINITY, f64::max)
+            .fold(f64::NEG_INFINITY, |most, x| {
+                if most.is_nan() || x <= most { most } else { x }
+            })
     }
     /// Whether the value (and every derivative it carries) is finite. Packs are not once their
     /// lanes have parted.
@@ -497,6 +500,7 @@ mod tests {
 
     #[test]
     fn duals_are_finite_only_with_their_derivatives() {
+        assert!(f64::NAN.largest().is_nan() && f64::NEG_INFINITY.largest() < 0.0);
         assert!(Dual::new(1.0, 2.0).finite());
         assert!(!Dual::new(1.0, f64::NAN).finite());
         assert!(!DualSVec::<f64, 2>::new(f64::INFINITY, Derivative::none()).finite());

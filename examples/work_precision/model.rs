@@ -1,6 +1,8 @@
 //! How a beam is modelled: an element, what gives it its elasticity, and the limit it goes to.
 
+use ancf::material::{Blocks, Material, Tensor};
 use ancf::prelude::*;
+use ancf::scalar::Algebra;
 
 /// Shear factor of the rods that made the references (Cowper's for a disk at Poisson ratio 0.3).
 pub const SHEAR: f64 = 0.88636364;
@@ -70,5 +72,27 @@ impl Specimen {
         let beam = Beam::new(model.element, section, model.law.clone());
         let beam = beam.straight([R::zero(); D], to, elements);
         scene.add(beam.density(R::lit(self.density)))
+    }
+}
+
+/// A material that beams sample at section points, one element after the other: the paper's way, without
+/// what lanes of a chain make of it.
+#[derive(Debug, Clone, Copy)]
+pub struct PointByPoint<M>(pub M);
+
+impl<R: Real, M: Material<R, D>, const D: usize> Material<R, D> for PointByPoint<M> {
+    const LANES: bool = false;
+
+    fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {
+        self.0.energy(strain)
+    }
+    fn stress<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Tensor<T, D> {
+        self.0.stress(strain)
+    }
+    fn elasticity<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> Blocks<T, D> {
+        self.0.elasticity(strain)
+    }
+    fn stiffness<T: Algebra<R>>(&self, strain: &Tensor<T, D>, c: &Tensor<T, D>) -> Blocks<T, D> {
+        self.0.stiffness(strain, c)
     }
 }

@@ -9,7 +9,7 @@ use ancf::prelude::*;
 use ancf::verify::ByPoints;
 
 use crate::measure::{Integrator, Method, Watch};
-use crate::model::{Limit, Model, SHEAR, Specimen};
+use crate::model::{Limit, Model, PointByPoint, SHEAR, Specimen};
 use crate::sweep::{Study, all, original, steps, usual};
 use crate::table::rows;
 
@@ -140,12 +140,15 @@ impl Problem {
         let s = study;
 
         let solid = specimen.material::<f64, 3>(0.0)?;
-        let points = Continuum::full(ByPoints(solid));
+        let points = Continuum::full(PointByPoint(solid));
         let model = paper("paper: full, section points", points, none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs)?;
-        let points = Continuum::reduced(ByPoints(solid));
+        let points = Continuum::reduced(PointByPoint(solid));
         let model = paper("paper: reduced, section points", points, none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs[..6])?;
+        let points = Continuum::full(ByPoints(solid));
+        let model = paper("full, section points in lanes", points, none);
+        self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], second)?;
         let model = paper("full", Continuum::full(solid), none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &ours)?;
 
@@ -243,7 +246,7 @@ pub fn roll_up(study: &mut Study) -> Result<()> {
         steel.material::<f64, 3>(0.0)?,
         steel.material::<f64, 2>(0.0)?,
     );
-    let points = Continuum::full(ByPoints(solid));
+    let points = Continuum::full(PointByPoint(solid));
     let model = paper("paper: full, section points", points, none);
     rolled::<f64, _, _, 3, 8>(study, &steel, &model, &coarse[..5])?;
     let model = paper("full", Continuum::full(solid), none);

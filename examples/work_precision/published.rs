@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use ancf::prelude::*;
 
 use crate::measure::Watch;
+use crate::model::PointByPoint;
 use crate::sweep::{Study, usual};
 use crate::table::rows;
 
@@ -18,7 +19,7 @@ const BEND: [f64; 3] = [15.68480053, 47.15043857, 53.47485879];
 /// Whatever the library refuses.
 pub fn bend(study: &mut Study) -> Result<()> {
     let solid = SaintVenantKirchhoff::<f64, 3>::isotropic(1e7, 0.0)?;
-    let full = Continuum::full(ancf::verify::ByPoints(solid));
+    let full = Continuum::full(PointByPoint(solid));
     let name = "paper: full, section points";
     bent(study, name, &[4, 8, 16, 32, 64], FullyParameterised, full)?;
     let full = Continuum::full(solid);

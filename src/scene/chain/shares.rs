@@ -191,8 +191,12 @@ impl<R: Real> Sink<'_, R> {
 /// How many threads share the work: those of the pool that it is done in. Packs stay on theirs: whether
 /// their lanes have parted is told by thread.
 fn threads<R: Real>() -> usize {
+    if R::LANES == 1 { pool() } else { 1 }
+}
+
+fn pool() -> usize {
     #[cfg(feature = "rayon")]
-    if R::LANES == 1 && rayon::current_thread_index().is_some() {
+    if rayon::current_thread_index().is_some() {
         return rayon::current_num_threads();
     }
     1
@@ -207,5 +211,6 @@ fn join<R: Real, T: Send>(
     if threads::<R>() > 1 {
         return rayon::join(left, right);
     }
+    debug_assert_eq!(threads::<R>(), 1, "threads come with a pool");
     (left(), right())
 }
