@@ -47,18 +47,15 @@ fn of<T>(all: &[T], element: usize) -> &T {
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
     fn force(&self, u: &[R], q: &mut [R]);
-    /// Tangent and, with a density, this share of the mass matrix.
-    fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()>;
-    /// The same, telling on the way which of the first unknowns are complete.
-    fn tangent_in_order(
+    /// Tangent and, with a density, this share of the mass matrix; who is `ready` for it may be told on
+    /// the way which of the first unknowns are complete.
+    fn tangent(
         &self,
         u: &[R],
         mass: Option<R>,
         k: &mut Matrix<R>,
-        _ready: Ready<'_, R>,
-    ) -> Result<()> {
-        self.tangent(u, mass, k)
-    }
+        ready: Option<Ready<'_, R>>,
+    ) -> Result<()>;
     /// Whether the secant force is made of strains.
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
@@ -304,20 +301,15 @@ where
         self.share_numbers(&Force { chain: self, u }, q);
     }
 
-    fn tangent(&self, u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
-        let chain = self;
-        self.share_matrix(&Stiffness { chain, u, mass }, k, None)
-    }
-
-    fn tangent_in_order(
+    fn tangent(
         &self,
         u: &[R],
         mass: Option<R>,
         k: &mut Matrix<R>,
-        ready: Ready<'_, R>,
+        ready: Option<Ready<'_, R>>,
     ) -> Result<()> {
         let chain = self;
-        self.share_matrix(&Stiffness { chain, u, mass }, k, Some(ready))
+        self.share_matrix(&Stiffness { chain, u, mass }, k, ready)
     }
 
     fn has_strain(&self) -> bool {

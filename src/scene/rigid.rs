@@ -13,7 +13,7 @@ use super::{Node, Placed, Scene};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
-use crate::solver::{BandMatrix, Matrix};
+use crate::solver::{BandMatrix, Matrix, Ready};
 use crate::tensor::dot;
 
 const VECTORS: [NodalVector; 4] = [
@@ -223,7 +223,13 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
 
     fn force(&self, _u: &[R], _q: &mut [R]) {}
 
-    fn tangent(&self, _u: &[R], mass: Option<R>, k: &mut Matrix<R>) -> Result<()> {
+    fn tangent(
+        &self,
+        _u: &[R],
+        mass: Option<R>,
+        k: &mut Matrix<R>,
+        _ready: Option<Ready<'_, R>>,
+    ) -> Result<()> {
         let Some(share) = mass else { return Ok(()) };
         for (i, moments) in self.moments.iter().enumerate() {
             let start = self.offset + i * D;

@@ -12,7 +12,7 @@ mod work;
 
 use super::band::Factor;
 use super::matrix::Matrix;
-use super::structure::{add_growing, held};
+use super::structure::{add_growing, add_tangent_with, held};
 use super::unknowns::Unknowns;
 use super::{Structure, Tape};
 use crate::error::{Error, Result};
@@ -362,10 +362,7 @@ impl<R: Real> Workspace<R> {
         mass: Option<R>,
     ) -> Result<()> {
         let (time, factor, k) = (equations.time, equations.factor, &mut self.tangent);
-        match mass {
-            Some(mass) => structure.add_tangent_and_mass(time, factor, u, mass, k)?,
-            None => structure.add_tangent(time, factor, u, k)?,
-        }
+        add_tangent_with(structure, (time, factor), u, mass, k)?;
         if let Rest::Permanent = equations.rest {
             structure.subtract_permanent_tangent(time, R::one() - equations.factor, u, k)?;
         }
@@ -436,9 +433,7 @@ impl<R: Real> Workspace<R> {
         }
         let unknowns = structure.unknowns();
         if solving {
-            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-                *q = self.scratch[i];
-            }
+            gather(unknowns, &self.scratch, &mut self.unknown);
         }
         let (factors, k) = (&mut self.factor, &mut self.tangent);
         if !factors.begin(solving.then_some(&self.unknown)) {
@@ -531,12 +526,17 @@ fn solve_by<R: Real>(
     unknown: &mut [R],
     x: &mut [R],
 ) -> Result<()> {
-    for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
-        *q = x[i];
-    }
+    gather(unknowns, x, unknown);
     solve(unknown)?;
     spread(unknowns, unknown, x);
     Ok(())
+}
+
+/// The unknowns among coordinates.
+fn gather<R: Real>(unknowns: &Unknowns<R>, x: &[R], unknown: &mut [R]) {
+    for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
+        *q = x[i];
+    }
 }
 
 /// The coordinates that follow from unknowns.

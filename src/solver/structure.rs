@@ -195,10 +195,7 @@ pub trait Structure<R: Real> {
         k: &mut Matrix<R>,
         _ready: Ready<'_, R>,
     ) -> Result<()> {
-        match mass {
-            Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k),
-            None => self.add_tangent(time, factor, u, k),
-        }
+        add_tangent_with(self, (time, factor), u, mass, k)
     }
 
     /// What coordinate `i` is, in words, for messages.
@@ -269,6 +266,20 @@ pub trait Structure<R: Real> {
 
     /// Adds the gyroscopic forces `G v`, `G` skew; none by default.
     fn add_gyroscopic(&self, _v: &[R], _out: &mut [R]) {}
+}
+
+/// Adds the tangent and, with a `mass`, that times `M`.
+pub(crate) fn add_tangent_with<R: Real, S: Structure<R> + ?Sized>(
+    structure: &S,
+    (time, factor): (R, R),
+    u: &[R],
+    mass: Option<R>,
+    k: &mut Matrix<R>,
+) -> Result<()> {
+    match mass {
+        Some(mass) => structure.add_tangent_and_mass(time, factor, u, mass, k),
+        None => structure.add_tangent(time, factor, u, k),
+    }
 }
 
 /// Shows every entry of [`Structure::gradient`] to what may fail.

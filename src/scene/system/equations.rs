@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::scalar::Real;
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
-use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns};
+use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns, add_tangent_with};
 
 impl<R: Real, const D: usize> System<R, D> {
     fn add_weight(&self, factor: R, q: &mut [R]) {
@@ -156,7 +156,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
 
     fn add_tangent(&self, time: R, factor: R, u: &[R], k: &mut Matrix<R>) -> Result<()> {
         for body in &self.bodies {
-            body.elastic().tangent(u, None, k)?;
+            body.elastic().tangent(u, None, k, None)?;
         }
         self.add_other_tangents(time, factor, u, k)
     }
@@ -170,7 +170,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         k: &mut Matrix<R>,
     ) -> Result<()> {
         for body in &self.bodies {
-            body.elastic().tangent(u, Some(mass), k)?;
+            body.elastic().tangent(u, Some(mass), k, None)?;
         }
         for (vector, m) in &self.masses {
             k.add_alike(vector * D, vector * D, D, mass, &[*m])?;
@@ -190,12 +190,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         let stiff = self.loads.iter().any(NodalLoad::has_tangent);
         match &self.bodies[..] {
             [body] if self.connectors.is_empty() && self.masses.is_empty() && !stiff => {
-                body.elastic().tangent_in_order(u, mass, k, ready)
+                body.elastic().tangent(u, mass, k, Some(ready))
             }
-            _ => match mass {
-                Some(mass) => self.add_tangent_and_mass(time, factor, u, mass, k),
-                None => self.add_tangent(time, factor, u, k),
-            },
+            _ => add_tangent_with(self, (time, factor), u, mass, k),
         }
     }
 

@@ -90,7 +90,7 @@ impl<R: Real, const D: usize> System<R, D> {
         let u = vec![R::zero(); self.reference.len()];
         let mut matrix = Matrix::zero(&self.unknowns, true);
         for body in &self.bodies {
-            body.elastic().tangent(&u, None, &mut matrix)?;
+            body.elastic().tangent(&u, None, &mut matrix, None)?;
         }
         for link in &self.connectors {
             link.tangent(&u, &mut matrix)?;

@@ -126,9 +126,7 @@ impl<R: Real> BandMatrix<R> {
     #[inline(always)]
     pub(super) fn write_up_to(&mut self, line: usize) {
         if line >= self.written {
-            let fresh = self.starts[self.written]..self.starts[line + 1];
-            self.data[fresh].fill(R::zero());
-            self.written = line + 1;
+            self.lines(line + 1).write_up_to(line);
         }
     }
 

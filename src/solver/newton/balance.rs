@@ -1,7 +1,7 @@
 //! The balance of forces: its residual in the units of the structure, what rounding may leave of it
 //! and what that takes of the answer.
 
-use super::{Equations, Rest, Workspace};
+use super::{Equations, Rest, Workspace, gather};
 use crate::error::Result;
 use crate::scalar::{Loops, Real};
 use crate::solver::Structure;
@@ -131,9 +131,7 @@ impl<R: Real> Workspace<R> {
         sizes: &[R],
     ) -> Result<R> {
         let unknowns = structure.unknowns();
-        for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-            *q = sizes[i];
-        }
+        gather(unknowns, sizes, &mut self.unknown);
         let stored = self.tangent.stored();
         stored.abs_mul_vec(&self.unknown, &mut self.rounded)?;
         let measure = structure.measure();
@@ -141,9 +139,7 @@ impl<R: Real> Workspace<R> {
         if !multipliers.is_empty() {
             // Constraints are formed from positions, which are as large as the structure however
             // small its displacements.
-            for (q, &i) in self.unknown.iter_mut().zip(unknowns.free()) {
-                *q = measure[i];
-            }
+            gather(unknowns, measure, &mut self.unknown);
             stored.abs_mul_vec(&self.unknown, &mut self.positions)?;
             for (q, rounded) in self.rounded.iter_mut().enumerate() {
                 if multipliers.contains(&unknowns.free()[q]) {
@@ -168,9 +164,7 @@ impl<R: Real> Workspace<R> {
     pub(crate) fn open<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &[R]) -> Result<f64> {
         let (free, multipliers) = (structure.unknowns().free(), structure.multipliers());
         let measure = structure.measure();
-        for (x, &i) in self.unknown.iter_mut().zip(free) {
-            *x = self.scratch[i];
-        }
+        gather(structure.unknowns(), &self.scratch, &mut self.unknown);
         self.factor.solve(&mut self.unknown)?;
         let (mut change, mut moved) = (R::zero(), R::zero());
         for (x, &i) in self.unknown.iter().zip(free) {
