@@ -27,8 +27,8 @@ mod x86;
 #[cfg(feature = "double-double")]
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
-pub(crate) use lanes::Loops;
 pub use lanes::{LaneWork, Lanes};
+pub(crate) use lanes::{Loops, MOST_LANES};
 pub use mask::{Mask, together};
 pub use pack::{Laned, Pack};
 

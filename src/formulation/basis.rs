@@ -171,11 +171,24 @@ impl<R: Real> Basis<R> {
         } in self.steps.iter().rev()
         {
             let (from, to) = ((*from).min(S - 1), (*to).min(S - 1));
+            let (low, high) = (from.min(to), from.max(to));
             // The diagonal block gains the column as it was and the row as it is then.
             add_block(k, *factor, (to, from), (from, from));
-            for j in 0..S {
-                if j != from {
-                    add_block(k, *factor, (to, j), (from, j));
+            // Of the others either both are stored as they are, or both by the rows they are columns
+            // of, or one by the columns of the other.
+            for j in 0..low {
+                for row in &mut k[j] {
+                    let value = row[to];
+                    add_times(&mut row[from], *factor, &value);
+                }
+            }
+            for j in (low..high).filter(|j| *j != from) {
+                add_block(k, *factor, (to, j), (from, j));
+            }
+            for j in (high..S).filter(|j| *j != from) {
+                for c in 0..D {
+                    let value = k[to][c][j];
+                    add_times(&mut k[from][c][j], *factor, &value);
                 }
             }
             add_block(k, *factor, (from, to), (from, from));

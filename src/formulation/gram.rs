@@ -4,9 +4,11 @@
 //! The rule is run once, when the kernel is made; exact sections, reduced rules and a Poisson part on
 //! the axis alone differ in the numbers of the form only and cost the same.
 
+use std::ops::Range;
+
 use super::basis::Basis;
 use super::point::{first_column, material_frame};
-use super::products::{Products, Vectors, vanishes};
+use super::products::{Products, Square, Vectors, vanishes};
 use super::sampled::Sample;
 use super::{ElementKernel, KernelWork, Reference, Tangent, mirrored};
 use crate::element::Element;
@@ -18,33 +20,49 @@ use crate::tensor::{add_scaled, add_times, array, between, sum, times};
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
 /// stretching, bending about each axis and torsion part.
 #[derive(Debug, Clone, PartialEq)]
-struct Group<R> {
-    /// Pairs `i <= j` of nodal vectors, as `i S + j`.
+struct Group {
+    /// Pairs `i <= j` of nodal vectors, as `i S + j`: first those of vectors with themselves.
     pairs: Vec<usize>,
-    /// The quadratic form over them, row by row (J).
-    form: Vec<R>,
+    /// Where the changes of the products are in a [`Square`]: of how many vectors with themselves, as `i`,
+    /// and of others, as `j S + i`.
+    own: usize,
+    changes: Vec<usize>,
+    /// Where the quadratic form over them (J) starts, row by row.
+    form: usize,
 }
 
 /// Right vectors of a term: those of a vector that is quadratic along the element.
 const WIDE: usize = 3;
 
-/// The dyad of a nodal vector with a sum of others.
+/// Places of vectors and of entries of the form: the first cache holds a kernel of packs, too, for all
+/// terms with one entry share it.
+type Place = u32;
+
+/// The dyad of a nodal vector with a sum of `N` others, each with its entry of the form; filled up with
+/// zeros, so that no loop is of a length of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Dyad<R> {
-    left: usize,
-    /// Vectors with their factors; filled up with zeros, so that no loop is of a length of its own.
-    right: [(usize, R); WIDE],
+struct Dyad<const N: usize> {
+    left: Place,
+    right: [(Place, Place); N],
 }
 
 /// The block of the tangent between two nodal vectors.
 #[derive(Debug, Clone, PartialEq)]
-struct Block<R> {
+struct Block {
     row: usize,
     column: usize,
-    /// Dyads of two vectors with a factor, four of five of all.
-    pairs: Vec<(usize, usize, R)>,
+    /// Dyads of two vectors, four of five of all.
+    pairs: Range<usize>,
     /// Dyads with sums.
-    dyads: Vec<Dyad<R>>,
+    sums: Range<usize>,
+}
+
+/// The material part of the tangent, block by block.
+#[derive(Debug, Clone, PartialEq)]
+struct Terms {
+    blocks: Vec<Block>,
+    pairs: Vec<Dyad<1>>,
+    sums: Vec<Dyad<WIDE>>,
 }
 
 /// Strain energy as half a quadratic form in the changes `g_ij = v_i . v_j - v0_i . v0_j`, halved for
@@ -58,8 +76,10 @@ struct Block<R> {
 pub struct GramKernel<R, P, const D: usize, const S: usize> {
     products: P,
     vectors: Vectors<R, D, S>,
-    groups: Vec<Group<R>>,
-    blocks: Vec<Block<R>>,
+    groups: Vec<Group>,
+    /// The forms of all groups, and a zero.
+    form: Vec<R>,
+    terms: Terms,
 }
 
 /// The quadratic form while parts are added to it: `[i][j][k][l]` between the pairs `i <= j` and
@@ -113,24 +133,19 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
 
     /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`.
     fn add_point(&mut self, moduli: &Moduli<R, D>, columns: &[[R; S]; D], weight: R) {
-        // How a strain depends on the products: `E_aa`, and `2 E_ab`.
-        let strain = |a: usize, b: usize, i: usize, j: usize| match a == b {
-            true => columns[a][i] * columns[a][j],
-            false => columns[a][i] * columns[b][j] + columns[a][j] * columns[b][i],
-        };
         let mut strains = [[[[R::zero(); S]; S]; D]; D];
         let mut stresses = strains;
         for i in 0..S {
             for j in i..S {
                 for a in 0..D {
                     for b in a..D {
-                        strains[a][b][i][j] = strain(a, b, i, j);
+                        strains[a][b][i][j] = strain_of(columns, [a, b], i, j);
                         stresses[a][b][i][j] = weight
                             * match a == b {
                                 true => (0..D).fold(R::zero(), |s, c| {
-                                    s + moduli.normal[a][c] * strain(c, c, i, j)
+                                    s + moduli.normal[a][c] * strain_of(columns, [c, c], i, j)
                                 }),
-                                false => moduli.shear[a][b] * strain(a, b, i, j),
+                                false => moduli.shear[a][b] * strain_of(columns, [a, b], i, j),
                             };
                     }
                 }
@@ -155,8 +170,8 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         }
     }
 
-    /// Which products couple, by groups.
-    fn groups(&self) -> Vec<Group<R>> {
+    /// Which products couple, by groups, and the forms of these.
+    fn groups(&self) -> (Vec<Group>, Vec<R>) {
         let small = R::lit(64.0 * R::EPSILON);
         let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
         let raw = |p: usize, q: usize| {
@@ -175,7 +190,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         let couples = |p: usize, q: usize| !vanishes(entry(p, q));
         let met = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
         let mut left: Vec<usize> = (0..all.len()).filter(met).collect();
-        let mut groups = Vec::new();
+        let (mut groups, mut form) = (Vec::new(), Vec::new());
         while let Some(first) = left.first().copied() {
             let mut group = vec![first];
             left.remove(0);
@@ -186,14 +201,19 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                 group.extend::<Vec<usize>>(more);
                 n += 1;
             }
-            group.sort_unstable();
-            let row = |p: &usize| group.iter().map(|q| entry(*p, *q)).collect::<Vec<_>>();
+            group.sort_unstable_by_key(|p| (all[*p].0 != all[*p].1, *p));
+            let place = |(i, j): (usize, usize)| if i == j { i } else { j * S + i };
             groups.push(Group {
-                form: group.iter().flat_map(row).collect(),
                 pairs: group.iter().map(|p| all[*p].0 * S + all[*p].1).collect(),
+                own: group.iter().filter(|p| all[**p].0 == all[**p].1).count(),
+                changes: group.iter().map(|p| place(all[*p])).collect(),
+                form: form.len(),
             });
+            for p in &group {
+                form.extend(group.iter().map(|q| entry(*p, *q)));
+            }
         }
-        groups
+        (groups, form)
     }
 
     /// The kernel with the energy of what was added.
@@ -202,13 +222,9 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         reference: &Reference<R, D, S>,
     ) -> GramKernel<R, P, D, S> {
         let basis = Basis::of::<E, D, S>(reference.length);
-        let groups = self.groups();
-        let mut blocks = Vec::new();
-        for row in 0..S {
-            for column in row..S {
-                blocks.push(Block::new::<S>(row, column, &groups));
-            }
-        }
+        let (groups, mut form) = self.groups();
+        let terms = Terms::new::<R, S>(&groups, &form);
+        form.push(R::zero());
         let pairs: Vec<usize> = groups.iter().flat_map(|g| &g.pairs).copied().collect();
         let met = |i| pairs.iter().any(|pair| pair / S == i || pair % S == i);
         let vectors = Vectors::new(basis, reference, array(met));
@@ -216,8 +232,23 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
             products: P::new(&vectors),
             vectors,
             groups,
-            blocks,
+            form,
+            terms,
         }
+    }
+}
+
+/// How a strain depends on a product: `E_aa`, and `2 E_ab`.
+#[inline(always)]
+fn strain_of<R: Real, const D: usize, const S: usize>(
+    columns: &[[R; S]; D],
+    [a, b]: [usize; 2],
+    i: usize,
+    j: usize,
+) -> R {
+    match a == b {
+        true => columns[a][i] * columns[a][j],
+        false => columns[a][i] * columns[b][j] + columns[a][j] * columns[b][i],
     }
 }
 
@@ -233,67 +264,98 @@ fn gradient_rows<R: Real, const D: usize, const S: usize, const K: usize>(
     columns
 }
 
-impl<R: Real> Block<R> {
-    fn new<const S: usize>(row: usize, column: usize, groups: &[Group<R>]) -> Self {
+impl Terms {
+    /// The terms of a form by groups; a zero is to follow it.
+    fn new<R: Real, const S: usize>(groups: &[Group], form: &[R]) -> Self {
         let other = |pair: usize, of: usize| match (pair / S == of, pair % S == of) {
             (true, _) => Some(pair % S),
             (_, true) => Some(pair / S),
             _ => None,
         };
-        let (mut pairs, mut dyads) = (Vec::new(), Vec::new());
-        for group in groups {
-            for (p, pair) in group.pairs.iter().enumerate() {
-                let Some(left) = other(*pair, row) else {
-                    continue;
-                };
-                let values = &group.form[p * group.pairs.len()..];
-                let rights = group.pairs.iter().zip(values).filter_map(|(pair, value)| {
-                    let right = other(*pair, column).filter(|_| !vanishes(*value))?;
-                    Some((right, *value))
-                });
-                for some in rights.collect::<Vec<_>>().chunks(WIDE) {
-                    if let [(right, value)] = some {
-                        pairs.push((left, *right, *value));
+        let place = |at: usize| at as Place;
+        let (mut blocks, mut pairs, mut sums) = (Vec::new(), Vec::new(), Vec::new());
+        let mut rights = Vec::new();
+        for (row, column) in (0..S).flat_map(|row| (row..S).map(move |column| (row, column))) {
+            let (first_pair, first_sum) = (pairs.len(), sums.len());
+            for group in groups {
+                for (p, pair) in group.pairs.iter().enumerate() {
+                    let Some(left) = other(*pair, row) else {
                         continue;
+                    };
+                    rights.clear();
+                    for (q, pair) in group.pairs.iter().enumerate() {
+                        let at = group.form + p * group.pairs.len() + q;
+                        if let Some(right) = other(*pair, column).filter(|_| !vanishes(form[at])) {
+                            rights.push((place(right), place(at)));
+                        }
                     }
-                    let mut right = [(left, R::zero()); WIDE];
-                    right[..some.len()].copy_from_slice(some);
-                    dyads.push(Dyad { left, right });
+                    let left = place(left);
+                    for some in rights.chunks(WIDE) {
+                        if let [right] = some {
+                            let right = [*right];
+                            pairs.push(Dyad { left, right });
+                            continue;
+                        }
+                        let mut right = [(left, place(form.len())); WIDE];
+                        right[..some.len()].copy_from_slice(some);
+                        sums.push(Dyad { left, right });
+                    }
                 }
             }
+            blocks.push(Block {
+                row,
+                column,
+                pairs: first_pair..pairs.len(),
+                sums: first_sum..sums.len(),
+            });
         }
         Self {
-            row,
-            column,
+            blocks,
             pairs,
-            dyads,
+            sums,
         }
     }
 
-    /// Adds the dyads of vectors out of two sets.
+    /// Adds the dyads of a block, of vectors out of two sets.
     #[inline(always)]
-    fn add_dyads<T: Algebra<R>, const D: usize, const S: usize>(
+    fn add_dyads<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
         &self,
+        form: &[R],
+        of: &Block,
+        sets: (&[[T; D]; S], &[[T; D]; S]),
+        block: &mut [[T; D]; D],
+    ) {
+        for dyad in &self.pairs[of.pairs.clone()] {
+            dyad.add(form, sets, block);
+        }
+        for dyad in &self.sums[of.sums.clone()] {
+            dyad.add(form, sets, block);
+        }
+    }
+}
+
+impl<const N: usize> Dyad<N> {
+    #[inline(always)]
+    fn add<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
+        &self,
+        form: &[R],
         (lefts, rights): (&[[T; D]; S], &[[T; D]; S]),
         block: &mut [[T; D]; D],
     ) {
         // The minima are identities; they let the optimiser drop the bounds checks.
-        for (left, right, value) in &self.pairs {
-            let along = times(*value, &rights[(*right).min(S - 1)]);
-            let left = &lefts[(*left).min(S - 1)];
-            for c in 0..D {
-                add_scaled(&mut block[c], left[c], &along);
-            }
+        let last = form.len() - 1;
+        let vector = |at: Place| (at as usize).min(S - 1);
+        let value = |at: Place| form[(at as usize).min(last)];
+        let [(first, at), others @ ..] = &self.right[..] else {
+            return;
+        };
+        let mut along = times(value(*at), &rights[vector(*first)]);
+        for (right, at) in others {
+            add_times(&mut along, value(*at), &rights[vector(*right)]);
         }
-        for Dyad { left, right } in &self.dyads {
-            let mut along = [T::zero(); D];
-            for (l, value) in right {
-                add_times(&mut along, *value, &rights[(*l).min(S - 1)]);
-            }
-            let left = &lefts[(*left).min(S - 1)];
-            for c in 0..D {
-                add_scaled(&mut block[c], left[c], &along);
-            }
+        let left = &lefts[vector(self.left)];
+        for c in 0..D {
+            add_scaled(&mut block[c], left[c], &along);
         }
     }
 }
@@ -301,47 +363,65 @@ impl<R: Real> Block<R> {
 /// Products that go through the form at once.
 const ROWS: usize = 4;
 
-/// What is conjugate to `N` products: rows of the form times the changes of a group's.
+/// What is conjugate to the `N` products of some pairs of a group: rows of the form times changes.
 #[inline(always)]
-fn stress_of<R: Real, T: Algebra<R>, const N: usize>(
+fn stress_of<R: Real, T: Algebra<R>, const S: usize, const N: usize>(
+    group: &Group,
     rows: &[R],
-    own: &[usize],
     pairs: &[usize],
-    g: &[T],
-    sigma: &mut [T],
+    square: &mut Square<T, S>,
 ) {
-    // The minimum is the identity; it lets the optimiser drop the bounds checks.
-    let (count, last) = (pairs.len(), g.len() - 1);
+    // The minima are identities; they let the optimiser drop the bounds checks.
+    let (count, last) = (group.changes.len(), S * S - 1);
     let rows: [&[R]; N] = array(|r| &rows[r * count..][..count]);
+    let (own, others) = group.changes.split_at(group.own);
     let mut sums = [T::zero(); N];
-    for m in 0..count {
-        let g = g[pairs[m].min(last)];
+    for (m, at) in own.iter().enumerate() {
+        let g = square.own[(*at).min(S - 1)];
         for r in 0..N {
             sums[r] = sums[r].plus_times(rows[r][m], g);
         }
     }
+    let entries = square.entries.as_flattened_mut();
+    for (m, at) in others.iter().enumerate() {
+        let g = entries[(*at).min(last)];
+        for r in 0..N {
+            sums[r] = sums[r].plus_times(rows[r][own.len() + m], g);
+        }
+    }
     for r in 0..N {
-        sigma[own[r].min(last)] = sums[r];
+        entries[pairs[r].min(last)] = sums[r];
     }
 }
 
 impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
-    /// What is conjugate to the products, for pairs `i <= j`.
+    /// What is conjugate to the products, from their changes.
     #[inline(always)]
-    fn stress<T: Algebra<R>>(&self, changes: &[[T; S]; S], stress: &mut [[T; S]; S]) {
-        let g = changes.as_flattened();
-        let sigma = stress.as_flattened_mut();
-        for Group { pairs, form } in &self.groups {
-            let count = pairs.len();
-            for (rows, own) in form.chunks(ROWS * count).zip(pairs.chunks(ROWS)) {
-                match own.len() {
-                    ROWS => stress_of::<R, T, ROWS>(rows, own, pairs, g, sigma),
-                    3 => stress_of::<R, T, 3>(rows, own, pairs, g, sigma),
-                    2 => stress_of::<R, T, 2>(rows, own, pairs, g, sigma),
-                    _ => stress_of::<R, T, 1>(rows, own, pairs, g, sigma),
+    fn stress<T: Algebra<R>>(&self, square: &mut Square<T, S>) {
+        for group in &self.groups {
+            let count = group.pairs.len();
+            let form = &self.form[group.form..][..count * count];
+            for (rows, pairs) in form.chunks(ROWS * count).zip(group.pairs.chunks(ROWS)) {
+                match pairs.len() {
+                    ROWS => stress_of::<R, T, S, ROWS>(group, rows, pairs, square),
+                    3 => stress_of::<R, T, S, 3>(group, rows, pairs, square),
+                    2 => stress_of::<R, T, S, 2>(group, rows, pairs, square),
+                    _ => stress_of::<R, T, S, 1>(group, rows, pairs, square),
                 }
             }
         }
+    }
+
+    /// Changes of the products and what is conjugate to them, and the displaced vectors.
+    #[inline(always)]
+    fn strain<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        square: &mut Square<T, S>,
+        v: &mut [[T; D]; S],
+    ) {
+        self.products.change(&self.vectors, u, square, v);
+        self.stress(square);
     }
 
     /// What is conjugate to the products in the mean of a step, and the vectors at its ends.
@@ -352,21 +432,21 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         ends: [&[[T; D]; S]; 2],
     ) -> ([[T; S]; S], [[[T; D]; S]; 2]) {
         let half = R::lit(0.5);
-        let mut changes = [[[T::zero(); S]; S]; 2];
+        let mut changes = [Square::new(); 2];
         let mut vectors = [[[T::zero(); D]; S]; 2];
         for end in 0..2 {
             let (g, v) = (&mut changes[end], &mut vectors[end]);
             self.products.change(&self.vectors, ends[end], g, v);
         }
-        let [old, mut g] = changes;
+        let [mut old, mut square] = changes;
         for i in 0..S {
             for j in i..S {
-                g[i][j] = g[i][j].times(half + viscosity) + old[i][j].times(half - viscosity);
+                let (g, old) = (square.change(i, j), *old.change(i, j));
+                *g = g.times(half + viscosity) + old.times(half - viscosity);
             }
         }
-        let mut stress = [[T::zero(); S]; S];
-        self.stress(&g, &mut stress);
-        (stress, vectors)
+        self.stress(&mut square);
+        (square.entries, vectors)
     }
 
     /// Adds the force on nodal vectors.
@@ -398,14 +478,13 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
-        let mut v = [[T::zero(); D]; S];
-        self.products.change(&self.vectors, u, &mut g, &mut v);
-        self.stress(&g, &mut stress);
+        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
+        self.strain(u, &mut square, &mut v);
         let mut twice = T::zero();
         for i in 0..S {
             for j in i..S {
-                twice = twice.plus_product(g[i][j], stress[i][j]);
+                let change = *square.change(i, j);
+                twice = twice.plus_product(change, square.entries[i][j]);
             }
         }
         twice.times(R::lit(0.5))
@@ -414,11 +493,10 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         // Written in place: arrays of lanes are long.
-        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
-        let mut v = [[T::zero(); D]; S];
-        self.products.change(&self.vectors, u, &mut g, &mut v);
-        self.stress(&g, &mut stress);
-        self.add_force(&stress, &v, q);
+        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
+        self.strain(u, &mut square, &mut v);
+        let stress = &square.entries;
+        self.add_force(stress, &v, q);
     }
 
     #[inline(always)]
@@ -442,22 +520,22 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let (mut g, mut stress) = ([[T::zero(); S]; S], [[T::zero(); S]; S]);
-        let mut v = [[T::zero(); D]; S];
-        self.products.change(&self.vectors, u, &mut g, &mut v);
-        self.stress(&g, &mut stress);
-        for block in &self.blocks {
+        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
+        self.strain(u, &mut square, &mut v);
+        let stress = &square.entries;
+        for block in &self.terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
             for c in 0..D {
                 sum[c][c] = stress[i][j];
             }
-            block.add_dyads((&v, &v), &mut sum);
+            let terms = &self.terms;
+            terms.add_dyads(&self.form, block, (&v, &v), &mut sum);
             for c in 0..D {
                 k[i][c][j] = sum[c];
             }
         }
-        self.add_force(&stress, &v, q);
+        self.add_force(stress, &v, q);
         self.vectors.basis.change_upper(k);
     }
 
@@ -491,14 +569,15 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let middle = between(&from, &to, half);
         let share = half + viscosity;
         let mut relative: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];
-        for block in &self.blocks {
+        for block in &self.terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let geometric = stress[i][j].times(half);
             let mut upper = [[T::zero(); D]; D];
-            block.add_dyads((&middle, &to), &mut upper);
+            let terms = &self.terms;
+            terms.add_dyads(&self.form, block, (&middle, &to), &mut upper);
             // Across the diagonal the vectors of the dyads change places.
             let mut lower = [[T::zero(); D]; D];
-            block.add_dyads((&to, &middle), &mut lower);
+            terms.add_dyads(&self.form, block, (&to, &middle), &mut lower);
             for c in 0..D {
                 for d in 0..D {
                     let diagonal = if c == d { geometric } else { T::zero() };

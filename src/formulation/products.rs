@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 use super::Reference;
 use super::basis::{Basis, Kind, Step};
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, Real, Scalar};
 use crate::tensor::{array, difference, dot};
 
 /// Vectors of an element by a basis of means and differences.
@@ -19,6 +19,35 @@ pub struct Vectors<R, const D: usize, const S: usize> {
     pub(super) met: [bool; S],
     /// Those that are zero in the reference state.
     bare: [bool; S],
+}
+
+/// Changes of scalar products and what is conjugate to them, in one square: where numbers are lanes,
+/// another one fills what it is made in with zeros for as long as a force takes to sum up.
+#[derive(Debug, Clone, Copy)]
+pub struct Square<T, const S: usize> {
+    /// At `[i][j]`, `i <= j`, what is conjugate to a product; at `[j][i]`, `i < j`, its change.
+    pub(super) entries: [[T; S]; S],
+    /// Changes of the products of vectors with themselves, halved.
+    pub(super) own: [T; S],
+}
+
+impl<T: Scalar, const S: usize> Square<T, S> {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self {
+            entries: [[T::zero(); S]; S],
+            own: [T::zero(); S],
+        }
+    }
+
+    /// Change of the product of the vectors `i <= j`.
+    #[inline(always)]
+    pub(super) fn change(&mut self, i: usize, j: usize) -> &mut T {
+        match i == j {
+            true => &mut self.own[i],
+            false => &mut self.entries[j][i],
+        }
+    }
 }
 
 impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
@@ -57,7 +86,7 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
         &self,
         v: &[[T; D]; S],
         change: impl Fn(usize, usize) -> T,
-        g: &mut [[T; S]; S],
+        g: &mut Square<T, S>,
     ) {
         for i in 0..S {
             if !self.met[i] {
@@ -68,7 +97,7 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
                     true => dot(&v[i], &v[j]),
                     false => change(i, j),
                 };
-                g[i][j] = match i == j {
+                *g.change(i, j) = match i == j {
                     true => change.times(R::lit(0.5)),
                     false => change,
                 };
@@ -106,7 +135,7 @@ pub trait Products<R: Real, const D: usize, const S: usize>:
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut [[T; S]; S],
+        g: &mut Square<T, S>,
         v: &mut [[T; D]; S],
     );
 }
@@ -125,7 +154,7 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for Direct {
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut [[T; S]; S],
+        g: &mut Square<T, S>,
         v: &mut [[T; D]; S],
     ) {
         let mut h = *u;
@@ -194,7 +223,7 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut [[T; S]; S],
+        g: &mut Square<T, S>,
         v: &mut [[T; D]; S],
     ) {
         let [h, coarse, fine] = self.parts(&vectors.basis, u);

@@ -5,7 +5,7 @@
 
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{Loops, Real};
 use crate::solver::{
     Equations, Newton, Rate, Rest, Sample, Solved, State, Structure, Tape, Workspace,
 };
@@ -206,12 +206,19 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         // The guess is the motion with constant acceleration; each metre of correction then
         // changes the acceleration by 1 / (beta dt^2).
         let half = square * R::lit(0.5);
-        for i in 0..old.len() {
-            let a = now.acceleration[i];
-            new[i] = a + ratio * (old[i] - a);
-            self.predicted[i] = share * (new[i] - alpha_f * a);
-            next.displacement[i] = now.displacement[i] + (step * now.velocity[i] + half * new[i]);
-        }
+        let predicted = &mut self.predicted[..];
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for i in 0..old.len() {
+                    let a = now.acceleration[i];
+                    new[i] = a + ratio * (old[i] - a);
+                    predicted[i] = share * (new[i] - alpha_f * a);
+                    next.displacement[i] =
+                        now.displacement[i] + (step * now.velocity[i] + half * new[i]);
+                }
+            },
+        ));
         // The mass term of a kept tangent belongs to one step size only.
         if self.step != Some(step) {
             self.workspace.forget();
@@ -232,12 +239,18 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let solved = self
             .workspace
             .solve(structure, &settings.newton, &equations, u)?;
-        for (i, moved) in self.workspace.moved().iter().enumerate() {
-            let change = rate * *moved;
-            next.acceleration[i] = self.predicted[i] + inertia * *moved;
-            next.velocity[i] = now.velocity[i] + step * (new[i] + gamma * change);
-            new[i] += change;
-        }
+        let (moved, predicted) = (self.workspace.moved(), &self.predicted);
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for (i, moved) in moved.iter().enumerate() {
+                    let change = rate * *moved;
+                    next.acceleration[i] = predicted[i] + inertia * *moved;
+                    next.velocity[i] = now.velocity[i] + step * (new[i] + gamma * change);
+                    new[i] += change;
+                }
+            },
+        ));
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         self.workspace.settle(structure, next)?;
         let ends = Sample::ends(now, next);

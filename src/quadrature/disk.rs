@@ -11,6 +11,11 @@ use crate::scalar::Real;
 /// Cosine and sine of `part / whole` of a full turn, reduced to half a right angle so that
 /// points mirrored in the axes or diagonals are mirrored to the last bit.
 fn direction<R: Real>(part: usize, whole: usize) -> [Twofold<R>; 2] {
+    // As rules of every order: what depends on nothing is computed in pairs of doubles.
+    turned(part, whole).map(Twofold::lifted)
+}
+
+fn turned(part: usize, whole: usize) -> [Twofold<f64>; 2] {
     let quarters = 4 * (part % whole);
     let (quadrant, mut rest) = (quarters / whole, quarters % whole);
     let reflected = 2 * rest > whole;

@@ -3,8 +3,10 @@
 //! method; the weights are Christoffel numbers. Legendre's and Radau's rules, rules for any
 //! other weight function and the projected rules differ only in their recurrence.
 
+use std::sync::OnceLock;
+
 use super::twofold::Twofold;
-use super::{Cubature, admissible};
+use super::{Cubature, MAX_ORDER, admissible};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
 
@@ -160,29 +162,47 @@ fn eigenvalue<R: Real>(diagonal: &[R], off: &[R], k: usize) -> R {
     }
 }
 
+/// Rules of every order, once they have been asked for. Pairs of doubles hold the digits of every number
+/// type, and what depends on nothing need not be computed in lanes or with derivatives.
+type Known = [OnceLock<Result<Nodes<f64>>>; MAX_ORDER + 1];
+
+fn known<R: Real>(
+    known: &Known,
+    n: usize,
+    nodes: fn(usize) -> Result<Nodes<f64>>,
+) -> Result<Nodes<R>> {
+    let nodes = known[admissible(n)?].get_or_init(|| nodes(n)).clone()?;
+    let lifted = |(x, weight): (Twofold<f64>, _)| (Twofold::lifted(x), Twofold::lifted(weight));
+    Ok(nodes.into_iter().map(lifted).collect())
+}
+
 /// Legendre nodes on the interval from 0 to 1, mirrored about its middle to the last bit.
 pub(crate) fn legendre_nodes<R: Real>(n: usize) -> Result<Nodes<R>> {
-    let mut nodes = Recurrence::legendre(admissible(n)?).gauss()?;
-    for i in 0..n / 2 {
-        let (x, weight) = nodes[i];
-        nodes[n - 1 - i] = (Twofold::lit(1.0) - x, weight);
-    }
-    if n % 2 == 1 {
-        nodes[n / 2].0 = Twofold::lit(0.5);
-    }
-    Ok(nodes)
+    static KNOWN: Known = [const { OnceLock::new() }; MAX_ORDER + 1];
+    known(&KNOWN, n, |n| {
+        let mut nodes = Recurrence::legendre(n).gauss()?;
+        for i in 0..n / 2 {
+            let (x, weight) = nodes[i];
+            nodes[n - 1 - i] = (Twofold::lit(1.0) - x, weight);
+        }
+        if n % 2 == 1 {
+            nodes[n / 2].0 = Twofold::lit(0.5);
+        }
+        Ok(nodes)
+    })
 }
 
 /// Radau nodes on the interval from 0 to 1 with the first one at 0 exactly.
 pub(super) fn radau_nodes<R: Real>(n: usize) -> Result<Nodes<R>> {
-    let zero = Twofold::lit(0.0);
-    let mut nodes = Recurrence::legendre(admissible(n)?)
-        .with_node_at(zero)
-        .gauss()?;
-    if let Some(first) = nodes.first_mut() {
-        first.0 = zero;
-    }
-    Ok(nodes)
+    static KNOWN: Known = [const { OnceLock::new() }; MAX_ORDER + 1];
+    known(&KNOWN, n, |n| {
+        let zero = Twofold::lit(0.0);
+        let mut nodes = Recurrence::legendre(n).with_node_at(zero).gauss()?;
+        if let Some(first) = nodes.first_mut() {
+            first.0 = zero;
+        }
+        Ok(nodes)
+    })
 }
 
 /// The rule of `nodes`, rounded.

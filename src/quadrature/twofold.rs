@@ -77,6 +77,13 @@ impl<R: Real> Twofold<R> {
         self.hi + self.lo
     }
 
+    /// A pair of doubles in any type, to twice its digits or to those of the pair.
+    pub(crate) fn lifted(x: Twofold<f64>) -> Self {
+        let hi = R::lit(x.hi);
+        let lo = R::lit((x.hi - hi.value()) + x.lo);
+        Self { hi, lo }
+    }
+
     /// Square root of a number above zero.
     pub(crate) fn sqrt(self) -> Self {
         let guess = Self::new(self.hi.sqrt());

@@ -9,6 +9,9 @@ use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
 use super::jet::{self, Jet};
 use super::{Algebra, Field, Real, Scalar};
 
+/// Numbers in the widest registers of the smallest type.
+pub(crate) const MOST_LANES: usize = 16;
+
 /// `WIDTH` numbers of the type `R` at once.
 pub trait Lanes<R>: Algebra<R> {
     /// How many.

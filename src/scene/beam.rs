@@ -228,11 +228,8 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
         let kernel = self
             .formulation
             .kernel(&self.element, &reference, &self.section)?;
-        let link = Link {
-            inertia: self.density.map(inertia).transpose()?,
-            reference,
-        };
-        Ok((kernel, link))
+        let inertia = self.density.map(inertia).transpose()?;
+        Ok((kernel, Link::new(inertia, reference)))
     }
 }
 

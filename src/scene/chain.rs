@@ -33,8 +33,37 @@ pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
 /// What else one element of a chain is made of.
 #[derive(Debug)]
 pub(super) struct Link<R, const D: usize, const S: usize> {
-    pub(super) inertia: Option<Inertia<R, S>>,
-    pub(super) reference: Reference<R, D, S>,
+    inertia: Option<Inertia<R, S>>,
+    /// Its mass matrix row by row, less what is nothing: sections about their centroid couple positions
+    /// with no slope across.
+    masses: Vec<Coupling<R>>,
+    reference: Reference<R, D, S>,
+}
+
+/// An entry of the mass matrix over nodal vectors.
+#[derive(Debug)]
+struct Coupling<R> {
+    row: usize,
+    column: usize,
+    mass: R,
+}
+
+impl<R: Real, const D: usize, const S: usize> Link<R, D, S> {
+    pub(super) fn new(inertia: Option<Inertia<R, S>>, reference: Reference<R, D, S>) -> Self {
+        let all = (0..S).flat_map(|row| (0..S).map(move |column| (row, column)));
+        let entries = inertia.iter().flat_map(|inertia| {
+            all.clone().map(|(row, column)| Coupling {
+                row,
+                column,
+                mass: inertia.mass[row][column],
+            })
+        });
+        Self {
+            masses: entries.filter(|entry| !entry.mass.is_nothing()).collect(),
+            inertia,
+            reference,
+        }
+    }
 }
 
 /// What belongs to an element, where one may stand for all.
@@ -245,9 +274,9 @@ where
         sources: [&[R]; N],
         mut each: impl FnMut(Range<usize>, &Link<R, D, S>, &[[[L; D]; S]; N]),
     ) {
+        let mut columns = [[[L::zero(); D]; S]; N];
         for first in elements.clone().step_by(L::WIDTH) {
             let last = elements.end.min(first + L::WIDTH) - 1;
-            let mut columns = [[[L::zero(); D]; S]; N];
             let start = |lane: usize| self.range(last.min(first + lane)).start;
             for (columns, source) in columns.iter_mut().zip(sources) {
                 L::gather(source, start, columns.as_flattened_mut());

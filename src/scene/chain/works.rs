@@ -4,11 +4,11 @@
 use std::ops::Range;
 
 use super::shares::{Numbers, Sink, Task};
-use super::{Chain, of};
+use super::{Chain, Coupling, of};
 use crate::element::Element;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Tangent, mirror};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::{Lanes, MOST_LANES, Real};
 use crate::solver::Matrix;
 use crate::tensor::add_times;
 
@@ -88,15 +88,16 @@ task!(
             [self.a],
             #[inline(always)]
             |elements, link, [a]| {
-                let Some(inertia) = &link.inertia else { return };
+                if link.masses.is_empty() {
+                    return;
+                }
                 let mut force = [[L::zero(); D]; S];
-                for i in 0..S {
-                    for j in 0..S {
-                        // Sections about their centroid couple positions with no slope across.
-                        if !inertia.mass[i][j].is_nothing() {
-                            add_times(&mut force[i], self.factor * inertia.mass[i][j], &a[j]);
-                        }
+                for row in link.masses.chunk_by(|one, next| one.row == next.row) {
+                    let mut sum = [L::zero(); D];
+                    for Coupling { column, mass, .. } in row {
+                        add_times(&mut sum, self.factor * *mass, &a[(*column).min(S - 1)]);
                     }
+                    force[row[0].row.min(S - 1)] = sum;
                 }
                 chain.scatter(&force, elements, out);
             },
@@ -123,13 +124,13 @@ task!(Stiffness, Sink, true, |self, kernels, elements, k| {
         |elements, link, [u]| {
             let mut force = [[L::zero(); D]; S];
             of(kernels, elements.start).upper_tangent(u, &mut force, &mut tangent);
-            if let (Some(share), Some(inertia)) = (self.mass, &link.inertia) {
-                for i in 0..S {
-                    for j in i..S {
-                        let m = L::lift(share * inertia.mass[i][j]);
-                        for c in 0..D {
-                            tangent[i][c][j][c] += m;
-                        }
+            if let Some(share) = self.mass {
+                let upper = link.masses.iter().filter(|entry| entry.row <= entry.column);
+                for Coupling { row, column, mass } in upper {
+                    let (i, j) = ((*row).min(S - 1), (*column).min(S - 1));
+                    let m = L::lift(share * *mass);
+                    for c in 0..D {
+                        tangent[i][c][j][c] += m;
                     }
                 }
             }
@@ -212,9 +213,6 @@ fn add_lanes<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     }
     Ok(())
 }
-
-/// Numbers in the widest registers of the smallest type.
-const MOST_LANES: usize = 16;
 
 /// Adds the tangent of the element in one lane.
 #[inline(always)]

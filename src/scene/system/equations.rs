@@ -6,16 +6,22 @@ use std::ops::Range;
 use super::System;
 use crate::element::NodalVector;
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{Loops, Real};
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
 use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns, add_tangent_with};
 
 impl<R: Real, const D: usize> System<R, D> {
     fn add_weight(&self, factor: R, q: &mut [R]) {
-        for (q, w) in q.iter_mut().zip(self.weight.iter().flatten()) {
-            *q += factor * *w;
-        }
+        let Some(weight) = &self.weight else { return };
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for (q, w) in q.iter_mut().zip(weight) {
+                    *q += factor * *w;
+                }
+            },
+        ));
     }
 
     fn add_loads(

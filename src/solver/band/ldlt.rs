@@ -44,7 +44,7 @@ pub(super) struct Ldlt<R> {
     diagonal: Vec<R>,
     /// Reciprocals of the pivots.
     inverse: Vec<R>,
-    /// Columns of the current pivots below them, before division by the pivot.
+    /// Columns of the current pivots below them, before division by the pivot and with the other sign.
     panel: Vec<R>,
     /// Room for one of them.
     room: usize,
@@ -260,13 +260,21 @@ impl<R: Real> Ldlt<R> {
                 known[p] -= own[q][p - q] * known[q];
             }
         }
-        let rest = &mut x[j + P..];
-        for i in (0..below).step_by(L::WIDTH) {
+        let mut minus = [L::zero(); P];
+        for p in 0..P {
+            minus[p] = L::lift(-known[p]);
+        }
+        let reached = below + L::WIDTH - 1;
+        let rest = &mut x[j + P..][..reached];
+        let columns: [&[R]; P] = array(|p| &columns[p][..reached]);
+        let mut i = 0;
+        while i + L::WIDTH <= reached {
             let mut sum = L::load(&rest[i..]);
             for p in 0..P {
-                sum = sum.plus_times(-known[p], L::load(&columns[p][i..]));
+                sum = sum.plus_product(L::load(&columns[p][i..]), minus[p]);
             }
             sum.store(&mut rest[i..]);
+            i += L::WIDTH;
         }
         for p in 0..P {
             x[j + p] = known[p] * self.inverse[j + p];
@@ -277,23 +285,20 @@ impl<R: Real> Ldlt<R> {
     #[inline(always)]
     fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
         let (own, columns, below) = self.panel::<P>(j, last);
-        assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
-        let mut sums = [[L::zero(); SUMS]; P];
-        for i in (0..below).step_by(SUMS) {
-            for (part, at) in (i..below.min(i + SUMS)).step_by(L::WIDTH).enumerate() {
-                let known = L::load(&x[j + P + at..]);
-                for p in 0..P {
-                    sums[p][part] = sums[p][part].plus_product(known, L::load(&columns[p][at..]));
+        let (x, behind) = x.split_at_mut(j + P);
+        let mut parts = [[R::zero(); SUMS]; P];
+        // As many columns at a time as there are registers for their sums.
+        match (L::WIDTH, P) {
+            (1, PANEL) => {
+                for (columns, parts) in columns.chunks(2).zip(parts.chunks_mut(2)) {
+                    products::<R, L, 2>(columns, behind, below, parts);
                 }
             }
+            _ => products::<R, L, P>(&columns, behind, below, &mut parts),
         }
         for p in (0..P).rev() {
-            let mut parts = [R::zero(); SUMS];
-            for part in 0..SUMS / L::WIDTH {
-                sums[p][part].store(&mut parts[part * L::WIDTH..]);
-            }
             let mut value = x[j + p];
-            for sum in parts {
+            for sum in parts[p] {
                 value -= sum;
             }
             for q in p + 1..P {
@@ -347,16 +352,18 @@ impl<R: Real> Ldlt<R> {
         let mut after = [[R::zero(); P]; P];
         let mut inverse = [R::zero(); P];
         for p in 0..P {
-            for i in p..P {
-                let mut entry = self.columns[self.starts[j + p] + i - p];
-                for q in 0..p {
-                    entry -= after[q][i] * before[q][p];
-                }
-                before[p][i] = entry;
-            }
+            let column = &self.columns[self.starts[j + p]..][..P - p];
+            before[p][p..].copy_from_slice(column);
+        }
+        for p in 0..P {
             inverse[p] = R::one() / before[p][p];
             for i in p + 1..P {
                 after[p][i] = before[p][i] * inverse[p];
+            }
+            for k in p + 1..P {
+                for i in k..P {
+                    before[k][i] -= after[p][i] * before[p][k];
+                }
             }
         }
         // The least of what the pivots are above nothing and above rounding, and what tells whether all
@@ -384,23 +391,42 @@ impl<R: Real> Ldlt<R> {
         let below = last + 1 - (j + P);
         let (pivots, open) =
             self.columns[starts[0]..starts[last + 1 - j]].split_at_mut(starts[P] - starts[0]);
-        // Where every column of the panel, and its copy, have the first row below the pivots.
-        let (scaled, unscaled) = (|p: usize| starts[p] - starts[0] + P - p, |p| p * room);
-        for i in (0..below).step_by(L::WIDTH) {
-            let mut l = [L::zero(); P];
-            for p in 0..P {
-                let mut entry = L::load(&pivots[scaled(p) + i..]);
-                for q in 0..p {
-                    entry = entry.plus_times(-before[q][p], l[q]);
-                }
-                l[p] = entry.times(inverse[p]);
-                entry.store(&mut self.panel[unscaled(p) + i..]);
-                l[p].store(&mut pivots[scaled(p) + i..]);
+        // Of every column of the panel and of its copy what is below the pivots, of one length, so that
+        // bounds are checked once.
+        let reached = below + L::WIDTH - 1;
+        let mut scaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
+        let mut unscaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
+        let mut rest = pivots;
+        for (p, copy) in (0..P).zip(self.panel.chunks_mut(room)) {
+            let (column, others) = rest.split_at_mut(starts[p + 1] - starts[p]);
+            scaled[p] = &mut column[P - p..][..reached];
+            unscaled[p] = &mut copy[..reached];
+            rest = others;
+        }
+        let (mut minus, mut inverses) = ([[L::zero(); P]; P], [L::zero(); P]);
+        for p in 0..P {
+            inverses[p] = L::lift(inverse[p]);
+            for q in 0..p {
+                minus[q][p] = L::lift(-before[q][p]);
             }
         }
-        let pivots = &*pivots;
-        let scaled: [&[R]; P] = array(|p| &pivots[scaled(p)..][..below + L::WIDTH - 1]);
-        let unscaled: [&[R]; P] = array(|p| &self.panel[unscaled(p)..][..below]);
+        let mut i = 0;
+        while i + L::WIDTH <= reached {
+            let mut l = [L::zero(); P];
+            for p in 0..P {
+                let mut entry = L::load(&scaled[p][i..]);
+                for q in 0..p {
+                    entry = entry.plus_product(l[q], minus[q][p]);
+                }
+                l[p] = entry * inverses[p];
+                // With the sign that the columns behind take it with.
+                (-entry).store(&mut unscaled[p][i..]);
+                l[p].store(&mut scaled[p][i..]);
+            }
+            i += L::WIDTH;
+        }
+        let scaled = scaled.map(|column| &*column);
+        let unscaled = unscaled.map(|column| &*column);
         if !definite {
             for i in 0..below {
                 for p in 0..P {
@@ -416,7 +442,7 @@ impl<R: Real> Ldlt<R> {
             let mut factors = [[L::zero(); P]; 2];
             for (p, unscaled) in unscaled.iter().enumerate() {
                 for c in 0..2 {
-                    factors[c][p] = L::lift(-unscaled[k + c]);
+                    factors[c][p] = L::lift(unscaled[k + c]);
                 }
             }
             let mut pivots = [R::zero(); P];
@@ -446,11 +472,36 @@ impl<R: Real> Ldlt<R> {
         if k < below {
             let (mut factors, mut pivots) = ([L::zero(); P], [R::zero(); P]);
             for p in 0..P {
-                (factors[p], pivots[p]) = (L::lift(-unscaled[p][k]), scaled[p][k]);
+                (factors[p], pivots[p]) = (L::lift(unscaled[p][k]), scaled[p][k]);
             }
             add_one(&mut open[starts[P + k] - starts[P]], &factors, &pivots);
         }
         Ok(true)
+    }
+}
+
+/// The partial sums of the scalar products of `N` columns with a vector.
+#[inline(always)]
+fn products<R: Real, L: Lanes<R>, const N: usize>(
+    columns: &[&[R]],
+    x: &[R],
+    below: usize,
+    parts: &mut [[R; SUMS]],
+) {
+    assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
+    let mut sums = [[L::zero(); SUMS]; N];
+    for i in (0..below).step_by(SUMS) {
+        for (part, at) in (i..below.min(i + SUMS)).step_by(L::WIDTH).enumerate() {
+            let known = L::load(&x[at..]);
+            for n in 0..N {
+                sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
+            }
+        }
+    }
+    for n in 0..N {
+        for part in 0..SUMS / L::WIDTH {
+            sums[n][part].store(&mut parts[n][part * L::WIDTH..]);
+        }
     }
 }
 

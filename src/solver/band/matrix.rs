@@ -7,7 +7,7 @@ use num_traits::Signed;
 
 use super::Profile;
 use crate::error::{Error, Result};
-use crate::scalar::{Lanes, Loops, Real};
+use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
 
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
@@ -483,19 +483,39 @@ impl<R: Real> Lines<'_, R> {
         block: &[L],
         start: impl Fn(usize) -> Option<usize>,
     ) -> Result<()> {
-        for column in (0..L::WIDTH).filter_map(&start) {
+        let mut starts = [None; MOST_LANES];
+        for (lane, column) in starts[..L::WIDTH].iter_mut().enumerate() {
+            *column = start(lane);
+            let Some(column) = *column else { continue };
             let row = column + n - 1;
             if !self.profile.contains(row, column) {
                 return Err(Error::OutsideProfile { row, column });
             }
-            self.write_up_to(row);
+            // Of one element at a time, fresh lines are overwritten below.
+            self.write_up_to(if L::WIDTH == 1 { column } else { row });
         }
         let (first, half) = (self.starts[self.lines.start], self.profile.half_bandwidth());
         for i in 0..n {
             // Stored by columns from the diagonal on, or by rows in which the block starts before it.
             let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
-            let target = |lane: usize| Some(self.starts[start(lane)? + i] - first + shift - i);
-            L::scatter(&block[i * n + from..(i + 1) * n], self.data, target);
+            let row = &block[i * n + from..(i + 1) * n];
+            if let (1, Some(start)) = (L::WIDTH, starts[0])
+                && start + i == self.written
+            {
+                self.written += 1;
+                let line = self.starts[start + i] - first..self.starts[start + i + 1] - first;
+                let line = &mut self.data[line];
+                let (before, own) = line.split_at_mut(shift - i);
+                let (own, behind) = own.split_at_mut(row.len());
+                before.fill(R::zero());
+                for (entry, value) in own.chunks_mut(1).zip(row) {
+                    value.store(entry);
+                }
+                behind.fill(R::zero());
+                continue;
+            }
+            let target = |lane: usize| Some(self.starts[starts[lane]? + i] - first + shift - i);
+            L::scatter(row, self.data, target);
         }
         Ok(())
     }

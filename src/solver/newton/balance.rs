@@ -42,10 +42,16 @@ impl<R: Real> Workspace<R> {
         match equations.inertia {
             Some((rate, predicted)) => {
                 self.inertia.fill(R::zero());
-                let moved = predicted.iter().zip(&self.moved);
-                for (a, (predicted, moved)) in self.scratch.iter_mut().zip(moved) {
-                    *a = *predicted + rate * *moved;
-                }
+                let (accelerations, moved) = (&mut self.scratch, &self.moved);
+                R::dispatch(Loops(
+                    #[inline(always)]
+                    || {
+                        let moved = predicted.iter().zip(moved);
+                        for (a, (predicted, moved)) in accelerations.iter_mut().zip(moved) {
+                            *a = *predicted + rate * *moved;
+                        }
+                    },
+                ));
                 structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
                 Ok(self.norms(structure, true))
             }
