@@ -209,6 +209,10 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     fn lane(self, _lane: usize) -> f64 {
         self.value()
     }
+    /// One number for each of its computations, by its number from zero.
+    fn by_lanes(x: impl Fn(usize) -> f64) -> Self {
+        Self::lit(x(0))
+    }
     /// The largest of the real parts of its computations: for reports.
     fn largest(self) -> f64 {
         // What is no number stays none.

@@ -82,7 +82,13 @@ pub(crate) fn between<R: Copy, T: Algebra<R>, const D: usize, const N: usize>(
     to: &[[T; D]; N],
     share: R,
 ) -> [[T; D]; N] {
-    array(|i| array(|c| from[i][c] + (to[i][c] - from[i][c]).times(share)))
+    let mut between = *from;
+    for i in 0..N {
+        for c in 0..D {
+            between[i][c] += (to[i][c] - from[i][c]).times(share);
+        }
+    }
+    between
 }
 
 /// The two Gauss points of the interval from 0 to 1, of equal weight.

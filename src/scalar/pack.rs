@@ -469,6 +469,9 @@ macro_rules! packs {
             fn lane(self, lane: usize) -> f64 {
                 Real::value(self.0[lane])
             }
+            fn by_lanes(x: impl Fn(usize) -> f64) -> Self {
+                Self(std::array::from_fn(|lane| x(lane) as $r))
+            }
             #[inline]
             fn finite(self) -> bool {
                 !parted() && Mask::of::<$n>(|lane| self.0[lane].is_finite()).common()

@@ -14,7 +14,7 @@ const PANEL: usize = 4;
 
 /// Numbers a scalar product is summed in, whatever the registers hold, so that all of them round
 /// alike.
-const SUMS: usize = 8;
+pub(super) const SUMS: usize = 8;
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
 /// panel of pivots before it adds up to two, half of them of one sign or the other.
@@ -482,7 +482,7 @@ impl<R: Real> Ldlt<R> {
 
 /// The partial sums of the scalar products of `N` columns with a vector.
 #[inline(always)]
-fn products<R: Real, L: Lanes<R>, const N: usize>(
+pub(super) fn products<R: Real, L: Lanes<R>, const N: usize>(
     columns: &[&[R]],
     x: &[R],
     below: usize,

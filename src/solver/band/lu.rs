@@ -1,24 +1,31 @@
-//! Band LU with partial pivoting: the path of general matrices and the fallback for symmetric
-//! ones that elimination without pivoting cannot factorise stably. Rows and columns are first
-//! equilibrated, because stiffnesses and constraint coefficients differ by many powers of ten
-//! and the choice of a pivot compares them.
+//! Band LU with pivoting: the path of general matrices and the fallback for symmetric ones that
+//! elimination without pivoting cannot factorise stably. Rows and columns are first equilibrated,
+//! because stiffnesses and constraint coefficients differ by many powers of ten and the choice of a
+//! pivot compares them. The diagonal is taken unless it is small in its column: interchanges widen the
+//! rows, and the lanes of a pack choose the same pivots where all choose those.
 
+use super::ldlt::{SUMS, products};
+use super::matrix::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
-use crate::scalar::Real;
+use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::Tape;
 
 /// Rounding units, relative to the equilibrated matrix, below which a pivot is taken for zero.
 const NOISE: f64 = 4.0;
 
+/// Share of the largest entry of its column from which on a diagonal entry is the pivot: entries grow by
+/// at most eleven times where it is, by two where the largest is.
+const SHARE: f64 = 0.1;
+
 #[derive(Debug, Clone)]
 pub(super) struct Lu<R> {
     /// Row `i` holds the columns from `i - half` to `i + 2 half`: interchanges widen the upper
-    /// triangle by up to `half`.
+    /// triangle by up to `half`. Zeros are behind them: registers reach beyond the end of a row.
     rows: Vec<R>,
     width: usize,
     half: usize,
-    /// Multipliers of pivot `j`, contiguous from `j * half`.
+    /// Multipliers of pivot `j`, contiguous from `j * half`, and zeros behind them all.
     multipliers: Vec<R>,
     inverse: Vec<R>,
     /// Row interchanged with row `j`.
@@ -27,25 +34,28 @@ pub(super) struct Lu<R> {
     upper_end: Vec<usize>,
     row_scale: Vec<R>,
     column_scale: Vec<R>,
-    /// Whether the determinant is negative.
-    negative: bool,
+    /// The sign of the determinant.
+    sign: R,
+    /// The vector being solved for, and zeros behind it.
+    vector: Vec<R>,
 }
 
 impl<R: Real> Lu<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let width = 3 * half + 1;
+        let width = 3 * half + 1 + overrun::<R>();
         Self {
             rows: vec![R::zero(); size * width],
             width,
             half,
-            multipliers: vec![R::zero(); size * half],
+            multipliers: vec![R::zero(); size * (half + overrun::<R>())],
             inverse: vec![R::zero(); size],
             swapped: vec![0; size],
             upper_end: vec![0; size],
             row_scale: vec![R::zero(); size],
             column_scale: vec![R::zero(); size],
-            negative: false,
+            sign: R::one(),
+            vector: vec![R::zero(); size + SUMS - 1],
         }
     }
 
@@ -54,71 +64,58 @@ impl<R: Real> Lu<R> {
         i * self.width + self.half + j - i
     }
 
+    /// The first multipliers of pivot `j`.
+    #[inline(always)]
+    fn multipliers_of(&self, j: usize, count: usize) -> &[R] {
+        &self.multipliers[j * (self.half + overrun::<R>())..][..count]
+    }
+
     pub(super) fn factor(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
-        self.fetch(profile, matrix)?;
-        let (size, reach) = (profile.size(), profile.reach());
-        let mut end = 0;
-        self.negative = false;
-        for j in 0..size {
-            let last = reach[j];
-            let (mut chosen, mut largest) = (j, R::zero());
-            for i in j..=last {
-                let entry = self.rows[self.index(i, j)];
-                let magnitude = if entry < R::zero() { -entry } else { entry };
-                if magnitude > largest {
-                    (chosen, largest) = (i, magnitude);
-                }
-            }
-            let pivot = self.rows[self.index(chosen, j)];
-            if !pivot.finite() {
-                return Err(not_finite(pivot));
-            }
-            if largest.value() <= NOISE * R::EPSILON {
-                // A NaN is never the largest: do not mistake it for a zero.
-                for i in j..=last {
-                    let entry = self.rows[self.index(i, j)];
-                    if !entry.finite() {
-                        return Err(not_finite(entry));
-                    }
-                }
-                return Err(Error::Singular {
-                    unknown: j,
-                    pivot: (pivot / (self.row_scale[chosen] * self.column_scale[j])).value(),
-                });
-            }
-            end = end.max(reach[chosen]);
-            // Every interchange turns the sign; the scales are positive.
-            self.negative ^= (pivot < R::zero()) != (chosen != j);
-            self.swapped[j] = chosen;
-            self.upper_end[j] = end;
-            let count = end + 1 - j;
-            let pivot_start = self.index(j, j);
-            let (upper, lower) = self.rows.split_at_mut((j + 1) * self.width);
-            let pivot_row = &mut upper[pivot_start..pivot_start + count];
-            let at = |i: usize| (i - j - 1) * self.width + self.half + j - i;
-            if chosen != j {
-                pivot_row.swap_with_slice(&mut lower[at(chosen)..at(chosen) + count]);
-            }
-            let inverse = R::one() / pivot;
-            self.inverse[j] = inverse;
-            for i in j + 1..=last {
-                let row = &mut lower[at(i)..at(i) + count];
-                let multiplier = row[0] * inverse;
-                self.multipliers[j * self.half + i - j - 1] = multiplier;
-                for (a, u) in row[1..].iter_mut().zip(&pivot_row[1..]) {
-                    *a -= multiplier * *u;
-                }
+        R::dispatch(Elimination {
+            lu: self,
+            profile,
+            matrix,
+        })
+    }
+
+    /// The row with the largest entry of column `j` among the rows up to `last`.
+    #[cold]
+    fn largest_of_column(&self, j: usize, last: usize) -> usize {
+        let (mut chosen, mut largest) = (j, R::zero());
+        for i in j..=last {
+            let magnitude = self.rows[self.index(i, j)].abs();
+            if magnitude > largest {
+                (chosen, largest) = (i, magnitude);
             }
         }
-        Ok(())
+        chosen
+    }
+
+    /// What is wrong where every entry of column `j` is taken for zero.
+    #[cold]
+    fn singular(&self, j: usize, last: usize, chosen: usize) -> Error {
+        // A NaN is never the largest: do not mistake it for a zero.
+        for i in j..=last {
+            let entry = self.rows[self.index(i, j)];
+            if !entry.finite() {
+                return not_finite(entry);
+            }
+        }
+        let pivot = self.rows[self.index(chosen, j)];
+        Error::Singular {
+            unknown: j,
+            pivot: (pivot / (self.row_scale[chosen] * self.column_scale[j])).value(),
+        }
     }
 
     /// Copies the equilibrated matrix into the workspace, both triangles. The scales are powers
     /// of two, so that no rounding enters.
+    #[inline(always)]
     fn fetch(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
         let (first, reach) = (profile.first(), profile.reach());
+        let size = profile.size();
         self.rows.fill(R::zero());
-        for i in 0..profile.size() {
+        for i in 0..size {
             let (start, row) = matrix.row(i);
             let target = self.index(i, start);
             self.rows[target..target + row.len()].copy_from_slice(row);
@@ -129,20 +126,27 @@ impl<R: Real> Lu<R> {
                 }
             }
         }
-        for i in 0..profile.size() {
+        self.column_scale.fill(R::zero());
+        for i in 0..size {
             let range = self.index(i, first[i])..=self.index(i, reach[i]);
-            let largest = largest(self.rows[range].iter().copied())?;
-            self.row_scale[i] = scale(largest, i)?;
+            let row = &self.rows[range];
+            let row_scale = scale(largest(row)?, i)?;
+            self.row_scale[i] = row_scale;
+            for (largest, entry) in self.column_scale[first[i]..].iter_mut().zip(row) {
+                *largest = largest.larger((*entry * row_scale).abs());
+            }
         }
-        for j in 0..profile.size() {
-            let column =
-                (first[j]..=reach[j]).map(|i| self.rows[self.index(i, j)] * self.row_scale[i]);
-            self.column_scale[j] = scale(largest(column)?, j)?;
+        for j in 0..size {
+            self.column_scale[j] = scale(self.column_scale[j], j)?;
         }
-        for i in 0..profile.size() {
-            for j in first[i]..=reach[i] {
-                let index = self.index(i, j);
-                self.rows[index] = self.rows[index] * self.row_scale[i] * self.column_scale[j];
+        for i in 0..size {
+            let range = self.index(i, first[i])..=self.index(i, reach[i]);
+            let row_scale = self.row_scale[i];
+            for (entry, scale) in self.rows[range]
+                .iter_mut()
+                .zip(&self.column_scale[first[i]..])
+            {
+                *entry = *entry * row_scale * *scale;
             }
         }
         Ok(())
@@ -150,14 +154,20 @@ impl<R: Real> Lu<R> {
 
     /// Whether the determinant of the last matrix is negative.
     pub(super) fn negative(&self) -> bool {
-        self.negative
+        self.sign < R::zero()
     }
 
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
-        tape.flag(&mut self.negative)?;
+        tape.number(&mut self.sign)?;
+        let (width, stride) = (self.width, self.half + overrun::<R>());
+        // What lies behind a row depends on the processor.
+        for row in self.rows.chunks_mut(width) {
+            tape.numbers(&mut row[..width - overrun::<R>()])?;
+        }
+        for multipliers in self.multipliers.chunks_mut(stride.max(1)) {
+            tape.numbers(&mut multipliers[..self.half])?;
+        }
         for numbers in [
-            &mut self.rows,
-            &mut self.multipliers,
             &mut self.inverse,
             &mut self.row_scale,
             &mut self.column_scale,
@@ -173,30 +183,154 @@ impl<R: Real> Lu<R> {
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
-        let reach = profile.reach();
-        for (x, scale) in x.iter_mut().zip(&self.row_scale) {
-            *x *= *scale;
-        }
-        for j in 0..x.len() {
-            x.swap(j, self.swapped[j]);
-            let value = x[j];
-            let count = reach[j] - j;
-            let multipliers = &self.multipliers[j * self.half..j * self.half + count];
-            for (x, l) in x[j + 1..].iter_mut().zip(multipliers) {
-                *x -= *l * value;
+        let mut vector = std::mem::take(&mut self.vector);
+        R::dispatch(Solution {
+            lu: self,
+            reach: profile.reach(),
+            x,
+            vector: &mut vector,
+        });
+        self.vector = vector;
+    }
+}
+
+/// Factorisation of a matrix.
+struct Elimination<'a, R> {
+    lu: &'a mut Lu<R>,
+    profile: &'a Profile,
+    matrix: &'a BandMatrix<R>,
+}
+
+impl<R: Real> LaneWork<R> for Elimination<'_, R> {
+    type Output = Result<()>;
+    const HEAVY: bool = true;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) -> Result<()> {
+        let Self {
+            lu,
+            profile,
+            matrix,
+        } = self;
+        assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
+        lu.fetch(profile, matrix)?;
+        let (size, reach) = (profile.size(), profile.reach());
+        let (width, half, stride) = (lu.width, lu.half, lu.half + overrun::<R>());
+        let mut end = 0;
+        lu.sign = R::one();
+        for j in 0..size {
+            let last = reach[j];
+            let diagonal = lu.rows[lu.index(j, j)].abs();
+            let mut below = R::zero();
+            for i in j + 1..=last {
+                below = below.larger(lu.rows[lu.index(i, j)].abs());
+            }
+            let chosen = match (below * R::lit(SHARE)).at_most(diagonal).common() {
+                true => j,
+                false => lu.largest_of_column(j, last),
+            };
+            let pivot = lu.rows[lu.index(chosen, j)];
+            if !pivot.finite() {
+                return Err(not_finite(pivot));
+            }
+            let noise = R::lit(NOISE * R::EPSILON);
+            if below.larger(pivot.abs()).at_most(noise).common() {
+                return Err(lu.singular(j, last, chosen));
+            }
+            end = end.max(reach[chosen]);
+            // Every interchange turns the sign; the scales are positive.
+            if chosen != j {
+                lu.sign = -lu.sign;
+            }
+            lu.sign = (-lu.sign).where_else(pivot.at_most(R::zero()), lu.sign);
+            lu.swapped[j] = chosen;
+            lu.upper_end[j] = end;
+            let count = end + 1 - j;
+            let pivot_start = lu.index(j, j);
+            let (upper, lower) = lu.rows.split_at_mut((j + 1) * width);
+            let pivot_row = &mut upper[pivot_start..];
+            let at = |i: usize| (i - j - 1) * width + half + j - i;
+            if chosen != j {
+                let other = at(chosen);
+                pivot_row[..count].swap_with_slice(&mut lower[other..other + count]);
+            }
+            let inverse = R::one() / pivot;
+            lu.inverse[j] = inverse;
+            // Slices of one length, so that their bounds are checked once.
+            let reached = count - 1 + L::WIDTH - 1;
+            let pivot_row = &pivot_row[1..][..reached];
+            let multipliers = &mut lu.multipliers[j * stride..][..last - j];
+            for (i, multiplier) in (j + 1..=last).zip(multipliers) {
+                let row = &mut lower[at(i)..];
+                *multiplier = row[0] * inverse;
+                let minus = L::lift(-*multiplier);
+                let row = &mut row[1..][..reached];
+                let mut k = 0;
+                while k + L::WIDTH <= reached {
+                    let entry = L::load(&row[k..]).plus_product(L::load(&pivot_row[k..]), minus);
+                    entry.store(&mut row[k..]);
+                    k += L::WIDTH;
+                }
             }
         }
-        for j in (0..x.len()).rev() {
-            let end = self.upper_end[j];
-            let row = &self.rows[self.index(j, j)..=self.index(j, end)];
-            let mut sum = x[j];
-            for (u, x) in row[1..].iter().zip(&x[j + 1..=end]) {
-                sum -= *u * *x;
-            }
-            x[j] = sum * self.inverse[j];
+        Ok(())
+    }
+}
+
+/// Solution by the factors.
+struct Solution<'a, R> {
+    lu: &'a Lu<R>,
+    reach: &'a [usize],
+    x: &'a mut [R],
+    vector: &'a mut [R],
+}
+
+impl<R: Real> LaneWork<R> for Solution<'_, R> {
+    type Output = ();
+    const HEAVY: bool = true;
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self {
+            lu,
+            reach,
+            x,
+            vector,
+        } = self;
+        let size = x.len();
+        for (y, (x, scale)) in vector.iter_mut().zip(x.iter().zip(&lu.row_scale)) {
+            *y = *x * *scale;
         }
-        for (x, scale) in x.iter_mut().zip(&self.column_scale) {
-            *x *= *scale;
+        vector[size..].fill(R::zero());
+        for j in 0..size {
+            vector.swap(j, lu.swapped[j]);
+            let minus = L::lift(-vector[j]);
+            let reached = reach[j] - j + L::WIDTH - 1;
+            let multipliers = lu.multipliers_of(j, reached);
+            let rest = &mut vector[j + 1..][..reached];
+            let mut k = 0;
+            while k + L::WIDTH <= reached {
+                let entry = L::load(&rest[k..]).plus_product(L::load(&multipliers[k..]), minus);
+                entry.store(&mut rest[k..]);
+                k += L::WIDTH;
+            }
+        }
+        for j in (0..size).rev() {
+            let count = lu.upper_end[j] - j;
+            let row = &lu.rows[lu.index(j, j) + 1..][..count + L::WIDTH - 1];
+            let mut parts = [[R::zero(); SUMS]];
+            products::<R, L, 1>(&[row], &vector[j + 1..], count, &mut parts);
+            // In three steps: the next row waits for this.
+            let [mut parts] = parts;
+            for half in [4, 2, 1] {
+                for k in 0..half {
+                    parts[k] = parts[k] + parts[k + half];
+                }
+            }
+            vector[j] = (vector[j] - parts[0]) * lu.inverse[j];
+        }
+        for ((x, y), scale) in x.iter_mut().zip(&*vector).zip(&lu.column_scale) {
+            *x = *y * *scale;
         }
     }
 }
@@ -219,7 +353,7 @@ impl<R: Real> Lu<R> {
         }
         for j in (0..x.len()).rev() {
             let count = reach[j] - j;
-            let multipliers = &self.multipliers[j * self.half..j * self.half + count];
+            let multipliers = self.multipliers_of(j, count);
             let mut sum = x[j];
             for (l, x) in multipliers.iter().zip(&x[j + 1..]) {
                 sum -= *l * *x;
@@ -233,6 +367,7 @@ impl<R: Real> Lu<R> {
     }
 }
 
+#[cold]
 fn not_finite<R: Real>(entry: R) -> Error {
     Error::NotFinite {
         what: "an entry of the matrix to factorise",
@@ -240,25 +375,41 @@ fn not_finite<R: Real>(entry: R) -> Error {
     }
 }
 
-/// Largest magnitude, refusing what is not finite.
-fn largest<R: Real>(entries: impl Iterator<Item = R>) -> Result<f64> {
-    let mut largest = 0.0_f64;
-    for entry in entries {
-        if !entry.finite() {
-            return Err(not_finite(entry));
+/// Largest magnitude in a row, refusing what is not finite.
+#[inline(always)]
+fn largest<R: Real>(row: &[R]) -> Result<R> {
+    // Side by side in registers.
+    let (mut largest, mut nothing) = ([R::zero(); SUMS], [R::zero(); SUMS]);
+    let (whole, rest) = row.as_chunks::<SUMS>();
+    for entries in whole {
+        for k in 0..SUMS {
+            largest[k] = largest[k].larger(entries[k].abs());
+            nothing[k] += entries[k] * R::zero();
         }
-        largest = largest.max(entry.value().abs());
     }
-    Ok(largest)
+    for (k, entry) in rest.iter().enumerate() {
+        largest[k] = largest[k].larger(entry.abs());
+        nothing[k] += *entry * R::zero();
+    }
+    if !nothing.into_iter().sum::<R>().finite()
+        && let Some(entry) = row.iter().find(|entry| !entry.finite())
+    {
+        return Err(not_finite(*entry));
+    }
+    Ok(largest.into_iter().fold(R::zero(), R::larger))
 }
 
 /// Power of two that brings `largest` into 1..=2.
-fn scale<R: Real>(largest: f64, unknown: usize) -> Result<R> {
-    if largest == 0.0 {
+fn scale<R: Real>(largest: R, unknown: usize) -> Result<R> {
+    if largest.at_most(R::zero()).common() {
         return Err(Error::Singular {
             unknown,
             pivot: 0.0,
         });
     }
-    Ok(R::lit((-largest.log2().floor()).exp2()))
+    Ok(R::by_lanes(|lane| {
+        // The sign and the digits of a double give way, and the exponent is turned.
+        let exponent = (largest.lane(lane).to_bits() >> 52) & 0x7ff;
+        f64::from_bits(2046_u64.saturating_sub(exponent).max(1) << 52)
+    }))
 }
