@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn high_orders_keep_their_nodes_apart_in_single_precision() {
-        let rule = gauss_legendre::<f32>(super::super::MAX_ORDER).unwrap();
+        let rule = gauss_legendre::<f32>(MAX_ORDER).unwrap();
         assert!(rule.points().windows(2).all(|x| x[0] < x[1]));
         assert!(rule.weights().iter().all(|&w| w > 0.0));
     }

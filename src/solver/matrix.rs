@@ -84,8 +84,7 @@ impl<R: Real> Matrix<R> {
             unknowns.run(i, n),
             unknowns.run(j, n * row.len()),
             stored.envelope(),
-        ) && envelope.is_symmetric()
-        {
+        ) {
             return envelope.add_alike(p, q, n, factor, row);
         }
         for (t, m) in row.iter().enumerate() {

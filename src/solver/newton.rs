@@ -47,6 +47,17 @@ impl Stability {
     }
 }
 
+/// What is left in a matrix that tangents are added to.
+#[derive(Debug, Clone, Copy)]
+enum Assembled<R> {
+    /// Nothing of use: what factorisation left, or a tangent that a resumed run would not have.
+    Nothing,
+    /// A tangent.
+    Tangent,
+    /// A tangent and this much of the mass.
+    WithMass(R),
+}
+
 /// Vectors and matrices of Newton's method, allocated once.
 #[derive(Debug)]
 pub(crate) struct Workspace<R> {
@@ -55,8 +66,8 @@ pub(crate) struct Workspace<R> {
     factored: bool,
     /// Whether tangents are taken for definite: as long as the last one was.
     definite: bool,
-    /// Whether the matrix still holds a tangent, and not what factorisation left of it.
-    assembled: bool,
+    /// What the matrix holds.
+    assembled: Assembled<R>,
     /// Whether the factors are those of the mass alone.
     held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
@@ -119,7 +130,7 @@ impl<R: Real> Workspace<R> {
             factor: Factor::new(unknowns.profile(), symmetric),
             factored: false,
             definite: true,
-            assembled: false,
+            assembled: Assembled::Nothing,
             held_mass: false,
             current: false,
             force: R::zero(),
@@ -239,6 +250,9 @@ impl<R: Real> Workspace<R> {
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
         self.force = R::zero();
+        if equations.inertia.is_some() {
+            self.assembled = Assembled::Nothing;
+        }
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
             self.forget();
@@ -283,7 +297,7 @@ impl<R: Real> Workspace<R> {
             if stuck.any() {
                 self.tangent.clear();
                 self.add_tangent(structure, &equations, u, None)?;
-                self.assembled = true;
+                self.assembled = Assembled::Tangent;
                 let rounding = self.rounding(structure, structure.measure())? / self.unit();
                 at_floor |= stuck & balance.residual.at_most(rounding);
             }
@@ -399,7 +413,7 @@ impl<R: Real> Workspace<R> {
             }
             false => factor.factor(matrix),
         };
-        self.assembled = true;
+        self.assembled = mass.map_or(Assembled::Tangent, Assembled::WithMass);
         self.definite = self.factor.definite();
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {
@@ -440,7 +454,7 @@ impl<R: Real> Workspace<R> {
             return Ok(false);
         }
         k.clear();
-        self.assembled = false;
+        self.assembled = Assembled::Nothing;
         let mut sound = true;
         structure.add_tangent_in_order(time, factor, u, mass, k, &mut |k, ready| {
             if sound {

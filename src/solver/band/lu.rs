@@ -32,6 +32,8 @@ pub(super) struct Lu<R> {
     swapped: Vec<usize>,
     /// Last column of row `j` of the upper factor.
     upper_end: Vec<usize>,
+    /// Last column of row `i` behind which there are no zeros yet.
+    widened: Vec<usize>,
     row_scale: Vec<R>,
     column_scale: Vec<R>,
     /// The sign of the determinant.
@@ -52,6 +54,7 @@ impl<R: Real> Lu<R> {
             inverse: vec![R::zero(); size],
             swapped: vec![0; size],
             upper_end: vec![0; size],
+            widened: vec![0; size],
             row_scale: vec![R::zero(); size],
             column_scale: vec![R::zero(); size],
             sign: R::one(),
@@ -91,6 +94,16 @@ impl<R: Real> Lu<R> {
         chosen
     }
 
+    /// Has row `i` filled with zeros up to column `end`.
+    #[cold]
+    fn widen(&mut self, i: usize, end: usize) {
+        if end > self.widened[i] {
+            let fresh = self.index(i, self.widened[i] + 1)..=self.index(i, end) + overrun::<R>();
+            self.rows[fresh].fill(R::zero());
+            self.widened[i] = end;
+        }
+    }
+
     /// What is wrong where every entry of column `j` is taken for zero.
     #[cold]
     fn singular(&self, j: usize, last: usize, chosen: usize) -> Error {
@@ -108,48 +121,51 @@ impl<R: Real> Lu<R> {
         }
     }
 
-    /// Copies the equilibrated matrix into the workspace, both triangles. The scales are powers
-    /// of two, so that no rounding enters.
+    /// Copies the matrix into the workspace, both triangles, with its rows scaled, and finds the scales
+    /// of its columns. They are powers of two, so that no rounding enters.
     #[inline(always)]
     fn fetch(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
         let (first, reach) = (profile.first(), profile.reach());
         let size = profile.size();
-        self.rows.fill(R::zero());
-        for i in 0..size {
-            let (start, row) = matrix.row(i);
-            let target = self.index(i, start);
-            self.rows[target..target + row.len()].copy_from_slice(row);
-            if matrix.is_symmetric() {
-                for (j, entry) in (start..).zip(row).skip(1) {
-                    let mirrored = self.index(j, i);
-                    self.rows[mirrored] = *entry;
+        if matrix.is_symmetric() {
+            for i in 0..size {
+                let (start, row) = matrix.row(i);
+                for (j, entry) in (start..).zip(row) {
+                    let (upper, lower) = (self.index(i, j), self.index(j, i));
+                    (self.rows[upper], self.rows[lower]) = (*entry, *entry);
                 }
             }
         }
         self.column_scale.fill(R::zero());
         for i in 0..size {
-            let range = self.index(i, first[i])..=self.index(i, reach[i]);
-            let row = &self.rows[range];
+            let (start, end) = (self.index(i, first[i]), self.index(i, reach[i]) + 1);
+            self.rows[end..end + overrun::<R>()].fill(R::zero());
+            let row = &mut self.rows[start..end];
+            if !matrix.is_symmetric() {
+                row.copy_from_slice(matrix.row(i).1);
+            }
             let row_scale = scale(largest(row)?, i)?;
             self.row_scale[i] = row_scale;
-            for (largest, entry) in self.column_scale[first[i]..].iter_mut().zip(row) {
-                *largest = largest.larger((*entry * row_scale).abs());
+            let columns = &mut self.column_scale[first[i]..];
+            for (largest, entry) in columns.iter_mut().zip(row) {
+                *entry *= row_scale;
+                *largest = largest.larger(entry.abs());
             }
         }
         for j in 0..size {
             self.column_scale[j] = scale(self.column_scale[j], j)?;
         }
-        for i in 0..size {
-            let range = self.index(i, first[i])..=self.index(i, reach[i]);
-            let row_scale = self.row_scale[i];
-            for (entry, scale) in self.rows[range]
-                .iter_mut()
-                .zip(&self.column_scale[first[i]..])
-            {
-                *entry = *entry * row_scale * *scale;
-            }
-        }
         Ok(())
+    }
+
+    /// Scales the columns of row `i`.
+    #[inline(always)]
+    fn scale_columns(&mut self, profile: &Profile, i: usize) {
+        let (first, last) = (profile.first()[i], profile.reach()[i]);
+        let range = self.index(i, first)..=self.index(i, last);
+        for (entry, scale) in self.rows[range].iter_mut().zip(&self.column_scale[first..]) {
+            *entry *= *scale;
+        }
     }
 
     /// Whether the determinant of the last matrix is negative.
@@ -159,13 +175,19 @@ impl<R: Real> Lu<R> {
 
     pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.sign)?;
-        let (width, stride) = (self.width, self.half + overrun::<R>());
-        // What lies behind a row depends on the processor.
-        for row in self.rows.chunks_mut(width) {
-            tape.numbers(&mut row[..width - overrun::<R>()])?;
+        let size = self.inverse.len();
+        for j in 0..size {
+            let last = size - 1;
+            tape.index(&mut self.swapped[j], j..=last)?;
+            tape.index(&mut self.upper_end[j], j..=last.min(j + 2 * self.half))?;
+            let (start, end) = (self.index(j, j), self.index(j, self.upper_end[j]));
+            tape.numbers(&mut self.rows[start..=end])?;
+            // What lies behind a row depends on the processor.
+            self.rows[end + 1..][..overrun::<R>()].fill(R::zero());
         }
+        let (half, stride) = (self.half, self.half + overrun::<R>());
         for multipliers in self.multipliers.chunks_mut(stride.max(1)) {
-            tape.numbers(&mut multipliers[..self.half])?;
+            tape.numbers(&mut multipliers[..half])?;
         }
         for numbers in [
             &mut self.inverse,
@@ -174,12 +196,7 @@ impl<R: Real> Lu<R> {
         ] {
             tape.numbers(numbers)?;
         }
-        let last = self.inverse.len().saturating_sub(1);
-        let indices = self.swapped.iter_mut().zip(&mut self.upper_end);
-        indices.enumerate().try_for_each(|(j, (swapped, end))| {
-            tape.index(swapped, j..=last)?;
-            tape.index(end, j..=last)
-        })
+        Ok(())
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
@@ -216,10 +233,16 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
         lu.fetch(profile, matrix)?;
         let (size, reach) = (profile.size(), profile.reach());
         let (width, half, stride) = (lu.width, lu.half, lu.half + overrun::<R>());
-        let mut end = 0;
+        let (mut end, mut seen) = (0, 0);
         lu.sign = R::one();
         for j in 0..size {
             let last = reach[j];
+            // Just before their first use, while the cache still holds them.
+            while seen <= last {
+                lu.scale_columns(profile, seen);
+                lu.widened[seen] = reach[seen];
+                seen += 1;
+            }
             let diagonal = lu.rows[lu.index(j, j)].abs();
             let mut below = R::zero();
             for i in j + 1..=last {
@@ -245,6 +268,9 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             lu.sign = (-lu.sign).where_else(pivot.at_most(R::zero()), lu.sign);
             lu.swapped[j] = chosen;
             lu.upper_end[j] = end;
+            if end > last {
+                (j..=last).for_each(|i| lu.widen(i, end));
+            }
             let count = end + 1 - j;
             let pivot_start = lu.index(j, j);
             let (upper, lower) = lu.rows.split_at_mut((j + 1) * width);
@@ -324,7 +350,8 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
             let [mut parts] = parts;
             for half in [4, 2, 1] {
                 for k in 0..half {
-                    parts[k] = parts[k] + parts[k + half];
+                    let other = parts[k + half];
+                    parts[k] += other;
                 }
             }
             vector[j] = (vector[j] - parts[0]) * lu.inverse[j];

@@ -1,7 +1,7 @@
 //! Storage of matrices inside the envelope, allocated once and refilled at every step, with the
 //! few operations that assembly, supports and residuals need.
 
-use std::ops::Range;
+use std::ops::{Add, Range};
 
 use num_traits::Signed;
 
@@ -170,8 +170,8 @@ impl<R: Real> BandMatrix<R> {
         Ok(())
     }
 
-    /// Adds `factor` times a row that couples vectors of `n` unknowns component by component to a
-    /// symmetric matrix: the vector from unknown `p` on with those from unknown `q >= p` on.
+    /// Adds `factor` times a row that couples vectors of `n` unknowns component by component, and its
+    /// mirror image: the vector from unknown `p` on with those from unknown `q >= p` on.
     pub(in crate::solver) fn add_alike(
         &mut self,
         p: usize,
@@ -187,13 +187,19 @@ impl<R: Real> BandMatrix<R> {
                 column: p,
             });
         }
-        self.write_up_to(p + n - 1);
+        self.write_up_to(if self.symmetric { p + n - 1 } else { last });
         for (t, m) in row.iter().enumerate() {
             // Sections about their centroid couple positions with no slope across.
-            if !m.is_nothing() {
-                for c in 0..n {
-                    let entry = self.index(q + t * n + c, p + c);
-                    self.data[entry] += factor * *m;
+            if m.is_nothing() {
+                continue;
+            }
+            for c in 0..n {
+                let (i, j) = (q + t * n + c, p + c);
+                let entry = self.index(i, j);
+                self.data[entry] += factor * *m;
+                if !self.symmetric && i != j {
+                    let mirrored = self.index(j, i);
+                    self.data[mirrored] += factor * *m;
                 }
             }
         }
@@ -341,10 +347,20 @@ impl<R: Real> BandMatrix<R> {
                 y.fill(R::zero());
                 for i in 0..self.size() {
                     let (first, row) = self.row(i);
-                    let mut sum = R::zero();
-                    for (a, x) in row.iter().zip(&x[first..]) {
-                        sum += map(*a) * map(*x);
+                    // Partial sums, which registers hold side by side.
+                    let mut sums = [R::zero(); PARTS];
+                    let x_of = &x[first..first + row.len()];
+                    let (whole, rest) = row.as_chunks::<PARTS>();
+                    let (x_whole, x_rest) = x_of.as_chunks::<PARTS>();
+                    for (row, x) in whole.iter().zip(x_whole) {
+                        for k in 0..PARTS {
+                            sums[k] += map(row[k]) * map(x[k]);
+                        }
                     }
+                    for (sum, (a, x)) in sums.iter_mut().zip(rest.iter().zip(x_rest)) {
+                        *sum += map(*a) * map(*x);
+                    }
+                    let sum = sums.into_iter().fold(R::zero(), Add::add);
                     y[i] += sum;
                     if self.symmetric {
                         let own = map(x[i]);
@@ -399,6 +415,9 @@ impl<R: Real> BandMatrix<R> {
         })
     }
 }
+
+/// Numbers that a product is summed in.
+const PARTS: usize = 8;
 
 /// Numbers that a register of heavy work reaches at most beyond the end of a column.
 pub(super) const fn overrun<R>() -> usize {

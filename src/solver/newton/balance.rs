@@ -1,7 +1,7 @@
 //! The balance of forces: its residual in the units of the structure, what rounding may leave of it
 //! and what that takes of the answer.
 
-use super::{Equations, Rest, Workspace, gather};
+use super::{Assembled, Equations, Rest, Workspace, gather};
 use crate::error::Result;
 use crate::scalar::{Loops, Real};
 use crate::solver::Structure;
@@ -117,13 +117,16 @@ impl<R: Real> Workspace<R> {
         balance: &Balance<R>,
         u: &[R],
     ) -> Result<R> {
-        // With inertia the tangent at hand holds the mass, too, and factors may have taken its place. Few
-        // solves come to ask, so it is not kept.
-        if equations.inertia.is_some() || !self.assembled {
-            self.tangent.clear();
-            self.add_tangent(structure, equations, u, None)?;
-            self.assembled = true;
+        // That of an earlier state of this solve serves as well.
+        match self.assembled {
+            Assembled::Tangent => {}
+            Assembled::WithMass(mass) => structure.add_mass(-mass, &mut self.tangent)?,
+            Assembled::Nothing => {
+                self.tangent.clear();
+                self.add_tangent(structure, equations, u, None)?;
+            }
         }
+        self.assembled = Assembled::Tangent;
         let floor = self.rounding(structure, u)?;
         Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
     }
