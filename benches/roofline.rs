@@ -221,7 +221,7 @@ where
     Kn: ElementKernel<f64, D, S>,
 {
     let count = flops(kernel, TANGENT);
-    let timed = |times| Timed::<_, TANGENT, D, S> { kernel, times };
+    let timed = |times| Timed::<_, TANGENT, TANGENT, D, S> { kernel, times };
     let (alone, _) = best(|times| timed(times).run::<f64>());
     let (group, width) = best(|times| f64::dispatch(timed(times)));
     let lanes = group / width as f64;

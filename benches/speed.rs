@@ -40,11 +40,35 @@ fn alone<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
 {
     group.throughput(Throughput::Elements(1));
     group.bench_function(name, |b| {
-        b.iter_custom(|times| Timed::<_, TANGENT, D, S> { kernel, times }.run::<R>().1);
+        b.iter_custom(|times| {
+            Timed::<_, TANGENT, true, D, S> { kernel, times }
+                .run::<R>()
+                .1
+        });
     });
 }
 
-/// One kernel, with or without the tangent: alone, and in the lanes that chains use.
+/// One kernel, with or without the tangent, in the lanes of AVX2 (`HEAVY`) or of the widest registers.
+fn lanes<R, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    what: &str,
+    kernel: &Kn,
+) -> usize
+where
+    R: Real,
+    Kn: ElementKernel<R, D, S>,
+{
+    let timed = |times| Timed::<_, TANGENT, HEAVY, D, S> { kernel, times };
+    let (width, _) = R::dispatch(timed(1));
+    group.throughput(Throughput::Elements(width as u64));
+    group.bench_function(BenchmarkId::new(what, format!("{width} lanes")), |b| {
+        b.iter_custom(|times| R::dispatch(timed(times)).1);
+    });
+    width
+}
+
+/// One kernel, with or without the tangent: alone, and in lanes as chains have it, forces in those of
+/// AVX2, too.
 fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     kernel: &Kn,
@@ -57,13 +81,12 @@ fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     } else {
         "force"
     };
-    let timed = |times| Timed::<_, TANGENT, D, S> { kernel, times };
     alone::<R, _, TANGENT, D, S>(group, &format!("{what}/alone"), kernel);
-    let (width, _) = R::dispatch(timed(1));
-    group.throughput(Throughput::Elements(width as u64));
-    group.bench_function(BenchmarkId::new(what, format!("{width} lanes")), |b| {
-        b.iter_custom(|times| R::dispatch(timed(times)).1);
-    });
+    let width = lanes::<R, _, TANGENT, true, D, S>(group, what, kernel);
+    let widest = R::dispatch(Timed::<_, TANGENT, TANGENT, D, S> { kernel, times: 1 }).0;
+    if widest > width {
+        lanes::<R, _, TANGENT, TANGENT, D, S>(group, what, kernel);
+    }
 }
 
 fn kernel<R, Kn, const D: usize, const S: usize>(c: &mut Criterion, name: &str, kernel: &Kn)

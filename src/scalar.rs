@@ -24,6 +24,10 @@ mod mask;
 )]
 mod x86;
 
+/// Has the caches fetch what is soon read, where the architecture knows how.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn prefetch<T>(_number: &T) {}
+
 #[cfg(feature = "double-double")]
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
@@ -31,6 +35,8 @@ pub use lanes::{LaneWork, Lanes};
 pub(crate) use lanes::{Loops, MOST_LANES};
 pub use mask::{Mask, together};
 pub use pack::{Laned, Pack};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use x86::prefetch;
 
 /// What a kernel needs of a number: ring operations and constants.
 ///

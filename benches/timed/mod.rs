@@ -12,24 +12,23 @@ pub fn bent<R, T: Algebra<R>, const D: usize, const S: usize>() -> [[T; D]; S] {
 }
 
 /// Evaluates a group of elements, one in each lane, a number of times, with or without the
-/// `TANGENT`; says how many and how long.
-pub struct Timed<'a, Kn, const TANGENT: bool, const D: usize, const S: usize> {
+/// `TANGENT`; says how many and how long. `HEAVY` work keeps to AVX2; of chains, tangents are.
+pub struct Timed<'a, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize> {
     /// The kernel.
     pub kernel: &'a Kn,
     /// How often.
     pub times: u64,
 }
 
-impl<R, Kn, const TANGENT: bool, const D: usize, const S: usize> LaneWork<R>
-    for Timed<'_, Kn, TANGENT, D, S>
+impl<R, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize> LaneWork<R>
+    for Timed<'_, Kn, TANGENT, HEAVY, D, S>
 where
     R: Real,
     Kn: ElementKernel<R, D, S>,
 {
     type Output = (usize, Duration);
 
-    // As chains of elements have it.
-    const HEAVY: bool = TANGENT;
+    const HEAVY: bool = HEAVY;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> (usize, Duration) {

@@ -204,10 +204,10 @@ impl<R: Real> Basis<R> {
         let factor = |step: &Step<R>| T::lift(step.factor);
         for step in self.steps.iter().rev() {
             let (from, to) = (step.from.min(S - 1), step.to.min(S - 1));
-            let row = k[to];
             for c in 0..D {
                 for j in 0..S {
-                    add_scaled(&mut k[from][c][j], factor(step), &row[c][j]);
+                    let value = k[to][c][j];
+                    add_scaled(&mut k[from][c][j], factor(step), &value);
                 }
             }
             for row in k.as_flattened_mut() {

@@ -325,6 +325,7 @@ impl Terms {
         sets: (&[[T; D]; S], &[[T; D]; S]),
         block: &mut [[T; D]; D],
     ) {
+        assert!(!form.is_empty(), "a form ends with a zero");
         for dyad in &self.pairs[of.pairs.clone()] {
             dyad.add(form, sets, block);
         }

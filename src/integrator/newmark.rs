@@ -206,16 +206,19 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         // The guess is the motion with constant acceleration; each metre of correction then
         // changes the acceleration by 1 / (beta dt^2).
         let half = square * R::lit(0.5);
-        let predicted = &mut self.predicted[..];
+        // Slices of one length, so that bounds are checked once.
+        let count = old.len();
+        let (old, new) = (&old[..count], &mut new[..count]);
+        let [a, v, u] = [&now.acceleration, &now.velocity, &now.displacement].map(|x| &x[..count]);
+        let predicted = &mut self.predicted[..count];
+        let guess = &mut next.displacement[..count];
         R::dispatch(Loops(
             #[inline(always)]
             || {
-                for i in 0..old.len() {
-                    let a = now.acceleration[i];
-                    new[i] = a + ratio * (old[i] - a);
-                    predicted[i] = share * (new[i] - alpha_f * a);
-                    next.displacement[i] =
-                        now.displacement[i] + (step * now.velocity[i] + half * new[i]);
+                for i in 0..count {
+                    new[i] = a[i] + ratio * (old[i] - a[i]);
+                    predicted[i] = share * (new[i] - alpha_f * a[i]);
+                    guess[i] = u[i] + (step * v[i] + half * new[i]);
                 }
             },
         ));
@@ -239,14 +242,17 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let solved = self
             .workspace
             .solve(structure, &settings.newton, &equations, u)?;
-        let (moved, predicted) = (self.workspace.moved(), &self.predicted);
+        let moved = &self.workspace.moved()[..count];
+        let predicted = &self.predicted[..count];
+        let acceleration = &mut next.acceleration[..count];
+        let velocity = &mut next.velocity[..count];
         R::dispatch(Loops(
             #[inline(always)]
             || {
-                for (i, moved) in moved.iter().enumerate() {
-                    let change = rate * *moved;
-                    next.acceleration[i] = predicted[i] + inertia * *moved;
-                    next.velocity[i] = now.velocity[i] + step * (new[i] + gamma * change);
+                for i in 0..count {
+                    let change = rate * moved[i];
+                    acceleration[i] = predicted[i] + inertia * moved[i];
+                    velocity[i] = v[i] + step * (new[i] + gamma * change);
                     new[i] += change;
                 }
             },

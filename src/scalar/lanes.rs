@@ -29,6 +29,15 @@ pub trait Lanes<R>: Algebra<R> {
     /// If it holds fewer.
     fn store(self, to: &mut [R]);
 
+    /// `WIDTH` numbers that follow each other.
+    type Block: AsRef<[R]> + AsMut<[R]>;
+
+    /// A slice by blocks, less what is left over: with slices of as many blocks, loops check no bounds.
+    fn blocks(from: &[R]) -> &[Self::Block];
+
+    /// The same, to write.
+    fn blocks_mut(to: &mut [R]) -> &mut [Self::Block];
+
     /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
     /// lane of `columns[i]`.
     ///
@@ -82,8 +91,26 @@ impl<R, T, F: FnMut() -> T> LaneWork<R> for Loops<F> {
     }
 }
 
+/// The blocks of a lane type.
+macro_rules! blocks {
+    ($r:ty, $width:literal) => {
+        const WIDTH: usize = $width;
+        type Block = [$r; $width];
+
+        #[inline(always)]
+        fn blocks(from: &[$r]) -> &[[$r; $width]] {
+            from.as_chunks().0
+        }
+        #[inline(always)]
+        fn blocks_mut(to: &mut [$r]) -> &mut [[$r; $width]] {
+            to.as_chunks_mut().0
+        }
+    };
+}
+pub(super) use blocks;
+
 impl<R: Real> Lanes<R> for R {
-    const WIDTH: usize = 1;
+    blocks!(R, 1);
 
     #[inline(always)]
     fn load(from: &[R]) -> Self {
@@ -110,7 +137,7 @@ impl<R: Real> Lanes<R> for R {
 /// [`Lanes`] by an array of `WIDTH` numbers, which compilers turn into shuffles.
 macro_rules! by_array {
     ($r:ty, $width:literal) => {
-        const WIDTH: usize = $width;
+        blocks!($r, $width);
 
         #[inline(always)]
         fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {

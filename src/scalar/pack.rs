@@ -13,6 +13,7 @@ use std::ops::{
 use num_dual::{Derivative, DualNum, DualSVec, DualStruct, Mappable};
 use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 
+use super::lanes::blocks;
 use super::mask::{Mask, parted};
 use super::{Algebra, Field, Jet, LaneWork, Lanes, Real, Scalar, jet};
 
@@ -163,7 +164,7 @@ impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Algebra<Pack<R, N>> f
     jet::by_jet!();
 }
 impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Lanes<Pack<R, N>> for Wide<L, C> {
-    const WIDTH: usize = 1;
+    blocks!(Pack<R, N>, 1);
 
     #[inline(always)]
     fn load(from: &[Pack<R, N>]) -> Self {
@@ -184,8 +185,11 @@ impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Lanes<Pack<R, N>> for
     #[inline(always)]
     fn scatter(columns: &[Self], x: &mut [Pack<R, N>], starts: impl Fn(usize) -> Option<usize>) {
         let Some(start) = starts(0) else { return };
-        for (x, column) in x[start..start + columns.len()].chunks_mut(1).zip(columns) {
-            (Self::load(x) + *column).store(x);
+        for (x, column) in x[start..start + columns.len()].iter_mut().zip(columns) {
+            for (m, register) in column.0.into_iter().enumerate() {
+                let numbers = &mut x.0[m * L::WIDTH..];
+                (L::load(numbers) + register).store(numbers);
+            }
         }
     }
 }
@@ -271,8 +275,11 @@ macro_rules! packs {
         impl Neg for Pack<$r, $n> {
             type Output = Self;
             #[inline(always)]
-            fn neg(self) -> Self {
-                Self(self.0.map(|x| -x))
+            fn neg(mut self) -> Self {
+                for lane in 0..$n {
+                    self.0[lane] = -self.0[lane];
+                }
+                self
             }
         }
         impl Inv for Pack<$r, $n> {
@@ -356,7 +363,11 @@ macro_rules! packs {
         impl Signed for Pack<$r, $n> {
             #[inline(always)]
             fn abs(&self) -> Self {
-                Self(self.0.map(|x| x.abs()))
+                let mut abs = *self;
+                for lane in 0..$n {
+                    abs.0[lane] = abs.0[lane].abs();
+                }
+                abs
             }
             fn abs_sub(&self, other: &Self) -> Self {
                 (*self - *other).larger(Self::zero())
@@ -485,13 +496,22 @@ macro_rules! packs {
                 let choose = |lane| if mask.lane(lane) { self.0[lane] } else { other.0[lane] };
                 Self(std::array::from_fn(choose))
             }
-            #[inline]
-            fn larger(self, other: Self) -> Self {
-                Self(std::array::from_fn(|lane| self.0[lane].larger(other.0[lane])))
+            // Loops without calls, of which compilers make one instruction.
+            #[inline(always)]
+            fn larger(mut self, other: Self) -> Self {
+                for lane in 0..$n {
+                    let (a, b) = (self.0[lane], other.0[lane]);
+                    self.0[lane] = if b > a { b } else { a };
+                }
+                self
             }
-            #[inline]
-            fn smaller(self, other: Self) -> Self {
-                Self(std::array::from_fn(|lane| self.0[lane].smaller(other.0[lane])))
+            #[inline(always)]
+            fn smaller(mut self, other: Self) -> Self {
+                for lane in 0..$n {
+                    let (a, b) = (self.0[lane], other.0[lane]);
+                    self.0[lane] = if b < a { b } else { a };
+                }
+                self
             }
             #[inline]
             #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "crosses the check"))]

@@ -8,9 +8,16 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use num_traits::{One, Zero};
 
 use super::jet::{self, Jet};
-use super::lanes::{LaneWork, Lanes};
+use super::lanes::{LaneWork, Lanes, blocks};
 use super::pack::{Pack, Wide};
 use super::{Algebra, Field, Scalar};
+
+/// Has the caches fetch what is soon read.
+#[inline(always)]
+pub(crate) fn prefetch<T>(number: &T) {
+    // SAFETY: part of every processor of the architecture; whatever the address, nothing is read.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(number).cast()) }
+}
 
 /// Rows and columns are exchanged in square blocks of this many.
 const TILE: usize = 4;
@@ -187,7 +194,7 @@ macro_rules! register {
                 let to = &mut to[..$width];
                 unsafe { $store(to.as_mut_ptr(), self.0) }
             }
-            const WIDTH: usize = $width;
+            blocks!($r, $width);
 
             #[inline(always)]
             fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {

@@ -22,6 +22,7 @@
 //! # Ok::<(), ancf::Error>(())
 //! ```
 
+mod ahead;
 mod ldlt;
 mod lu;
 mod matrix;

@@ -149,8 +149,10 @@ impl<R: Laned, const P: usize> Sweep<R, P> {
     }
 
     /// Runs as many rows at once as the widest registers hold numbers. That pays where they take
-    /// the same way: scenes of one topology with fixed steps and symmetric tangents. Rows that part
-    /// (adaptive steps, events, pivoting, a row that fails) are run alone, with the same result.
+    /// the same way: scenes of one topology with fixed steps, whose tangents are renewed in every
+    /// iteration or in every solve ([`Refresh`](crate::solver::Refresh)). Rows that part (adaptive
+    /// steps, events, tangents renewed when slow, other pivots, a row that fails) are run alone, with
+    /// the same result.
     #[must_use]
     pub fn in_lanes(mut self) -> Self {
         self.lanes = true;

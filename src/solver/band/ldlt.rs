@@ -3,11 +3,10 @@
 //! columns are updated in the widest registers of the processor.
 
 use super::matrix::{column_starts, overrun};
-use super::{BandMatrix, Profile};
+use super::{BandMatrix, Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{LaneWork, Lanes, Mask, Real};
 use crate::solver::Tape;
-use crate::tensor::array;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
@@ -264,17 +263,18 @@ impl<R: Real> Ldlt<R> {
         for p in 0..P {
             minus[p] = L::lift(-known[p]);
         }
-        let reached = below + L::WIDTH - 1;
-        let rest = &mut x[j + P..][..reached];
-        let columns: [&[R]; P] = array(|p| &columns[p][..reached]);
-        let mut i = 0;
-        while i + L::WIDTH <= reached {
-            let mut sum = L::load(&rest[i..]);
+        let count = below.div_ceil(L::WIDTH);
+        let rest = first_mut::<R, L>(&mut x[j + P..], count);
+        let mut blocks: [&[L::Block]; P] = [&[]; P];
+        for p in 0..P {
+            blocks[p] = first::<R, L>(columns[p], count);
+        }
+        for i in 0..count {
+            let mut sum = L::load(rest[i].as_ref());
             for p in 0..P {
-                sum = sum.plus_product(L::load(&columns[p][i..]), minus[p]);
+                sum = sum.plus_product(L::load(blocks[p][i].as_ref()), minus[p]);
             }
-            sum.store(&mut rest[i..]);
-            i += L::WIDTH;
+            sum.store(rest[i].as_mut());
         }
         for p in 0..P {
             x[j + p] = known[p] * self.inverse[j + p];
@@ -314,9 +314,13 @@ impl<R: Real> Ldlt<R> {
     fn panel<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], [&[R]; P], usize) {
         let below = last + 1 - (j + P);
         let starts = &self.starts[j..j + P];
-        let own: [&[R]; P] = array(|p| &self.columns[starts[p]..][..P - p]);
         let reached = below + overrun::<R>();
-        let columns = array(|p| &self.columns[starts[p] + P - p..][..reached]);
+        let (mut own, mut columns): ([&[R]; P], [&[R]; P]) = ([&[]; P], [&[]; P]);
+        for p in 0..P {
+            let column = &self.columns[starts[p]..];
+            let (above, rest) = column.split_at(P - p);
+            (own[p], columns[p]) = (above, &rest[..reached]);
+        }
         (own, columns, below)
     }
 
@@ -391,8 +395,7 @@ impl<R: Real> Ldlt<R> {
         let below = last + 1 - (j + P);
         let (pivots, open) =
             self.columns[starts[0]..starts[last + 1 - j]].split_at_mut(starts[P] - starts[0]);
-        // Of every column of the panel and of its copy what is below the pivots, of one length, so that
-        // bounds are checked once.
+        // Of every column of the panel and of its copy what is below the pivots.
         let reached = below + L::WIDTH - 1;
         let mut scaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
         let mut unscaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
@@ -410,20 +413,25 @@ impl<R: Real> Ldlt<R> {
                 minus[q][p] = L::lift(-before[q][p]);
             }
         }
-        let mut i = 0;
-        while i + L::WIDTH <= reached {
+        let count = below.div_ceil(L::WIDTH);
+        let mut columns: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
+        let mut copies: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
+        for (p, (column, copy)) in scaled.iter_mut().zip(&mut unscaled).enumerate() {
+            columns[p] = first_mut::<R, L>(column, count);
+            copies[p] = first_mut::<R, L>(copy, count);
+        }
+        for i in 0..count {
             let mut l = [L::zero(); P];
             for p in 0..P {
-                let mut entry = L::load(&scaled[p][i..]);
+                let mut entry = L::load(columns[p][i].as_ref());
                 for q in 0..p {
                     entry = entry.plus_product(l[q], minus[q][p]);
                 }
                 l[p] = entry * inverses[p];
                 // With the sign that the columns behind take it with.
-                (-entry).store(&mut unscaled[p][i..]);
-                l[p].store(&mut scaled[p][i..]);
+                (-entry).store(copies[p][i].as_mut());
+                l[p].store(columns[p][i].as_mut());
             }
-            i += L::WIDTH;
         }
         let scaled = scaled.map(|column| &*column);
         let unscaled = unscaled.map(|column| &*column);
@@ -450,22 +458,23 @@ impl<R: Real> Ldlt<R> {
                 *pivot = scaled[k];
             }
             add_one(&mut first[0], &factors[0], &pivots);
-            // Slices of one length, so that their bounds are checked once.
-            let reached = below - k - 1 + L::WIDTH - 1;
-            let (first, second) = (&mut first[1..][..reached], &mut second[..reached]);
-            let scaled: [&[R]; P] = array(|p| &scaled[p][k + 1..][..reached]);
-            let mut i = 0;
-            while i + L::WIDTH <= reached {
-                let mut entries = [L::load(&first[i..]), L::load(&second[i..])];
+            let count = (below - k - 1).div_ceil(L::WIDTH);
+            let first = first_mut::<R, L>(&mut first[1..], count);
+            let second = first_mut::<R, L>(second, count);
+            let mut columns: [&[L::Block]; P] = [&[]; P];
+            for p in 0..P {
+                columns[p] = self::first::<R, L>(&scaled[p][k + 1..], count);
+            }
+            for i in 0..count {
+                let mut entries = [L::load(first[i].as_ref()), L::load(second[i].as_ref())];
                 for p in 0..P {
-                    let along = L::load(&scaled[p][i..]);
+                    let along = L::load(columns[p][i].as_ref());
                     for c in 0..2 {
                         entries[c] = entries[c].plus_product(along, factors[c][p]);
                     }
                 }
-                entries[0].store(&mut first[i..]);
-                entries[1].store(&mut second[i..]);
-                i += L::WIDTH;
+                entries[0].store(first[i].as_mut());
+                entries[1].store(second[i].as_mut());
             }
             k += 2;
         }
@@ -480,6 +489,18 @@ impl<R: Real> Ldlt<R> {
     }
 }
 
+/// The first blocks of a slice.
+#[inline(always)]
+pub(super) fn first<R, L: Lanes<R>>(from: &[R], count: usize) -> &[L::Block] {
+    &L::blocks(from)[..count]
+}
+
+/// The same, to write.
+#[inline(always)]
+pub(super) fn first_mut<R, L: Lanes<R>>(to: &mut [R], count: usize) -> &mut [L::Block] {
+    &mut L::blocks_mut(to)[..count]
+}
+
 /// The partial sums of the scalar products of `N` columns with a vector.
 #[inline(always)]
 pub(super) fn products<R: Real, L: Lanes<R>, const N: usize>(
@@ -490,12 +511,25 @@ pub(super) fn products<R: Real, L: Lanes<R>, const N: usize>(
 ) {
     assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
     let mut sums = [[L::zero(); SUMS]; N];
-    for i in (0..below).step_by(SUMS) {
-        for (part, at) in (i..below.min(i + SUMS)).step_by(L::WIDTH).enumerate() {
-            let known = L::load(&x[at..]);
+    let whole = below / SUMS;
+    let known = &x.as_chunks::<SUMS>().0[..whole];
+    let mut blocks: [&[[R; SUMS]]; N] = [&[]; N];
+    for n in 0..N {
+        blocks[n] = &columns[n].as_chunks().0[..whole];
+    }
+    for i in 0..whole {
+        for part in 0..SUMS / L::WIDTH {
+            let known = L::load(&known[i][part * L::WIDTH..]);
             for n in 0..N {
-                sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
+                let along = L::load(&blocks[n][i][part * L::WIDTH..]);
+                sums[n][part] = sums[n][part].plus_product(known, along);
             }
+        }
+    }
+    for (part, at) in (whole * SUMS..below).step_by(L::WIDTH).enumerate() {
+        let known = L::load(&x[at..]);
+        for n in 0..N {
+            sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
         }
     }
     for n in 0..N {
@@ -611,9 +645,13 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
             }
             j += count;
         }
+        let far = ahead::far(&ldlt.columns);
         while j > 0 {
             let count = ldlt.counts[j - 1];
             j -= count;
+            if far && let Some(soon) = j.checked_sub(ahead::COLUMNS) {
+                ahead::fetch(&ldlt.columns[ldlt.starts[soon]..ldlt.starts[soon + count]]);
+            }
             match count {
                 PANEL => ldlt.backward::<L, PANEL>(j, reach[j], x),
                 2 => ldlt.backward::<L, 2>(j, reach[j], x),

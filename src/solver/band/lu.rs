@@ -4,7 +4,7 @@
 //! pivot compares them. The diagonal is taken unless it is small in its column: interchanges widen the
 //! rows, and the lanes of a pack choose the same pivots where all choose those.
 
-use super::ldlt::{SUMS, products};
+use super::ldlt::{SUMS, first, first_mut, products};
 use super::matrix::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
@@ -282,20 +282,18 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             }
             let inverse = R::one() / pivot;
             lu.inverse[j] = inverse;
-            // Slices of one length, so that their bounds are checked once.
-            let reached = count - 1 + L::WIDTH - 1;
-            let pivot_row = &pivot_row[1..][..reached];
+            let blocks = (count - 1).div_ceil(L::WIDTH);
+            let pivot_row = first::<R, L>(&pivot_row[1..], blocks);
             let multipliers = &mut lu.multipliers[j * stride..][..last - j];
             for (i, multiplier) in (j + 1..=last).zip(multipliers) {
                 let row = &mut lower[at(i)..];
                 *multiplier = row[0] * inverse;
                 let minus = L::lift(-*multiplier);
-                let row = &mut row[1..][..reached];
-                let mut k = 0;
-                while k + L::WIDTH <= reached {
-                    let entry = L::load(&row[k..]).plus_product(L::load(&pivot_row[k..]), minus);
-                    entry.store(&mut row[k..]);
-                    k += L::WIDTH;
+                let row = first_mut::<R, L>(&mut row[1..], blocks);
+                for k in 0..blocks {
+                    let entry = L::load(row[k].as_ref());
+                    let along = L::load(pivot_row[k].as_ref());
+                    entry.plus_product(along, minus).store(row[k].as_mut());
                 }
             }
         }
@@ -331,14 +329,14 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
         for j in 0..size {
             vector.swap(j, lu.swapped[j]);
             let minus = L::lift(-vector[j]);
-            let reached = reach[j] - j + L::WIDTH - 1;
-            let multipliers = lu.multipliers_of(j, reached);
-            let rest = &mut vector[j + 1..][..reached];
-            let mut k = 0;
-            while k + L::WIDTH <= reached {
-                let entry = L::load(&rest[k..]).plus_product(L::load(&multipliers[k..]), minus);
-                entry.store(&mut rest[k..]);
-                k += L::WIDTH;
+            let count = (reach[j] - j).div_ceil(L::WIDTH);
+            let multipliers = lu.multipliers_of(j, count * L::WIDTH);
+            let multipliers = first::<R, L>(multipliers, count);
+            let rest = first_mut::<R, L>(&mut vector[j + 1..], count);
+            for k in 0..count {
+                let entry = L::load(rest[k].as_ref());
+                let along = L::load(multipliers[k].as_ref());
+                entry.plus_product(along, minus).store(rest[k].as_mut());
             }
         }
         for j in (0..size).rev() {

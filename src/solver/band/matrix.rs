@@ -5,7 +5,7 @@ use std::ops::{Add, Range};
 
 use num_traits::Signed;
 
-use super::Profile;
+use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
 
@@ -489,6 +489,12 @@ impl<R: Real> Lines<'_, R> {
         if line >= self.written {
             let start = self.starts[self.lines.start];
             let fresh = self.starts[self.written] - start..self.starts[line + 1] - start;
+            if ahead::far(self.data) {
+                let soon = fresh.end + ahead::BYTES / size_of::<R>();
+                if let Some(soon) = self.data.get(soon..soon + fresh.len()) {
+                    ahead::fetch(soon);
+                }
+            }
             self.data[fresh].fill(R::zero());
             self.written = line + 1;
         }
@@ -527,8 +533,8 @@ impl<R: Real> Lines<'_, R> {
                 let (before, own) = line.split_at_mut(shift - i);
                 let (own, behind) = own.split_at_mut(row.len());
                 before.fill(R::zero());
-                for (entry, value) in own.chunks_mut(1).zip(row) {
-                    value.store(entry);
+                for (entry, value) in L::blocks_mut(own).iter_mut().zip(row) {
+                    value.store(entry.as_mut());
                 }
                 behind.fill(R::zero());
                 continue;
