@@ -11,6 +11,29 @@ use ancf::sweep::{Experiment, Sweep};
 struct Pendulum<S, const D: usize>(S);
 /// A cantilever for `[E, R, load]`, loaded in 10 steps.
 struct Cantilever<const D: usize>;
+/// An arch in the plane for `[E, R, load]`, clamped and loaded at its crown in 10 steps. Each of its
+/// elements has a kernel of its own, so that alone they have no lanes.
+struct Arch;
+
+impl Experiment<3> for Arch {
+    fn run<R: Real>(&self, [young, radius, load]: [R; 3]) -> Result<Vec<R>> {
+        let mut scene = Scene::<R, 2>::new();
+        let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+        let formulation = Continuum::selective_reduced(rubber);
+        let beam = Beam::new(FullyParameterised, Disk::new(radius)?, formulation);
+        let arch = scene.add(beam.curved(R::pi(), 10, |s| {
+            let (sin, cos) = (Field::sin(s * R::pi()), Field::cos(s * R::pi()));
+            ([-cos, sin], [[sin, cos], [-cos, sin]])
+        }))?;
+        scene.clamp(arch.start())?;
+        scene.clamp(arch.end())?;
+        scene.force(arch.node(5), [R::zero(), -load])?;
+        let system = scene.assemble()?;
+        let mut state = system.rest();
+        Statics::in_steps(10).solve(&system, &mut state)?;
+        Ok(system.position(&state, arch.node(5))?.to_vec())
+    }
+}
 
 macro_rules! experiments {
     ($($d:literal),*) => {$(
@@ -113,6 +136,7 @@ fn main() -> Result<()> {
     compare("plane, statics", &Cantilever::<2>, loaded)?;
     compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
     compare("space, statics", &Cantilever::<3>, loaded)?;
+    compare("plane, arch, statics", &Arch, loaded)?;
     compare("plane, energy-momentum", &Pendulum::<_, 2>(conserving), rod)?;
     compare("space, energy-momentum", &Pendulum::<_, 3>(conserving), rod)
 }

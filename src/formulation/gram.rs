@@ -374,20 +374,21 @@ fn stress_of<R: Real, T: Algebra<R>, const S: usize, const N: usize>(
 ) {
     // The minima are identities; they let the optimiser drop the bounds checks.
     let (count, last) = (group.changes.len(), S * S - 1);
-    let rows: [&[R]; N] = array(|r| &rows[r * count..][..count]);
     let (own, others) = group.changes.split_at(group.own);
+    let by_own: [&[R]; N] = array(|r| &rows[r * count..][..own.len()]);
+    let by_others: [&[R]; N] = array(|r| &rows[r * count + own.len()..][..others.len()]);
     let mut sums = [T::zero(); N];
-    for (m, at) in own.iter().enumerate() {
-        let g = square.own[(*at).min(S - 1)];
+    for m in 0..own.len() {
+        let g = square.own[own[m].min(S - 1)];
         for r in 0..N {
-            sums[r] = sums[r].plus_times(rows[r][m], g);
+            sums[r] = sums[r].plus_times(by_own[r][m], g);
         }
     }
     let entries = square.entries.as_flattened_mut();
-    for (m, at) in others.iter().enumerate() {
-        let g = entries[(*at).min(last)];
+    for m in 0..others.len() {
+        let g = entries[others[m].min(last)];
         for r in 0..N {
-            sums[r] = sums[r].plus_times(rows[r][own.len() + m], g);
+            sums[r] = sums[r].plus_times(by_others[r][m], g);
         }
     }
     for r in 0..N {

@@ -263,7 +263,8 @@ impl<R: Real> Ldlt<R> {
         for p in 0..P {
             minus[p] = L::lift(-known[p]);
         }
-        let count = below.div_ceil(L::WIDTH);
+        let reached = below + L::WIDTH - 1;
+        let count = reached / L::WIDTH;
         let rest = first_mut::<R, L>(&mut x[j + P..], count);
         let mut blocks: [&[L::Block]; P] = [&[]; P];
         for p in 0..P {
@@ -413,7 +414,7 @@ impl<R: Real> Ldlt<R> {
                 minus[q][p] = L::lift(-before[q][p]);
             }
         }
-        let count = below.div_ceil(L::WIDTH);
+        let count = reached / L::WIDTH;
         let mut columns: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
         let mut copies: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
         for (p, (column, copy)) in scaled.iter_mut().zip(&mut unscaled).enumerate() {
@@ -434,7 +435,7 @@ impl<R: Real> Ldlt<R> {
             }
         }
         let scaled = scaled.map(|column| &*column);
-        let unscaled = unscaled.map(|column| &*column);
+        let unscaled = unscaled.map(|copy| &copy[..below]);
         if !definite {
             for i in 0..below {
                 for p in 0..P {
@@ -458,7 +459,8 @@ impl<R: Real> Ldlt<R> {
                 *pivot = scaled[k];
             }
             add_one(&mut first[0], &factors[0], &pivots);
-            let count = (below - k - 1).div_ceil(L::WIDTH);
+            let reached = below - k - 1 + L::WIDTH - 1;
+            let count = reached / L::WIDTH;
             let first = first_mut::<R, L>(&mut first[1..], count);
             let second = first_mut::<R, L>(second, count);
             let mut columns: [&[L::Block]; P] = [&[]; P];

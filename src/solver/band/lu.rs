@@ -282,7 +282,8 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             }
             let inverse = R::one() / pivot;
             lu.inverse[j] = inverse;
-            let blocks = (count - 1).div_ceil(L::WIDTH);
+            let reached = count - 1 + L::WIDTH - 1;
+            let blocks = reached / L::WIDTH;
             let pivot_row = first::<R, L>(&pivot_row[1..], blocks);
             let multipliers = &mut lu.multipliers[j * stride..][..last - j];
             for (i, multiplier) in (j + 1..=last).zip(multipliers) {
@@ -329,8 +330,9 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
         for j in 0..size {
             vector.swap(j, lu.swapped[j]);
             let minus = L::lift(-vector[j]);
-            let count = (reach[j] - j).div_ceil(L::WIDTH);
-            let multipliers = lu.multipliers_of(j, count * L::WIDTH);
+            let reached = reach[j] - j + L::WIDTH - 1;
+            let count = reached / L::WIDTH;
+            let multipliers = lu.multipliers_of(j, reached);
             let multipliers = first::<R, L>(multipliers, count);
             let rest = first_mut::<R, L>(&mut vector[j + 1..], count);
             for k in 0..count {
