@@ -31,8 +31,8 @@ pub(crate) fn prefetch<T>(_number: &T) {}
 #[cfg(feature = "double-double")]
 pub use double_double::DoubleDouble;
 pub use jet::Jet;
+pub(crate) use lanes::{Elementwise, Loops, MOST_LANES, elementwise};
 pub use lanes::{LaneWork, Lanes};
-pub(crate) use lanes::{Loops, MOST_LANES};
 pub use mask::{Mask, together};
 pub use pack::{Laned, Pack};
 #[cfg(target_arch = "x86_64")]

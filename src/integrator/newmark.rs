@@ -5,7 +5,7 @@
 
 use super::{Method, Scheme, mean_squares, prepare};
 use crate::error::{Error, Result};
-use crate::scalar::{Loops, Real};
+use crate::scalar::{Elementwise, Real, elementwise};
 use crate::solver::{
     Equations, Newton, Rate, Rest, Sample, Solved, State, Structure, Tape, Workspace,
 };
@@ -182,6 +182,25 @@ pub struct NewmarkMethod<R> {
     step: Option<R>,
 }
 
+elementwise! {
+    /// The auxiliary acceleration of constant ones, what it makes of the acceleration, and displacements.
+    Guess(ratio, share, alpha_f, step, half): [a, v, u, old] -> [new, predicted, guess] {
+        *new = a + ratio * (old - a);
+        *predicted = share * (*new - alpha_f * a);
+        *guess = u + (step * v + half * *new);
+    }
+}
+
+elementwise! {
+    /// What a correction of displacements makes of accelerations and velocities.
+    Follow(rate, inertia, step, gamma): [moved, predicted, v] -> [new, acceleration, velocity] {
+        let change = rate * moved;
+        *acceleration = predicted + inertia * moved;
+        *velocity = v + step * (*new + gamma * change);
+        *new += change;
+    }
+}
+
 impl<R: Real> Method<R> for NewmarkMethod<R> {
     fn advance<S: Structure<R>>(
         &mut self,
@@ -206,22 +225,21 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         // The guess is the motion with constant acceleration; each metre of correction then
         // changes the acceleration by 1 / (beta dt^2).
         let half = square * R::lit(0.5);
-        // Slices of one length, so that bounds are checked once.
-        let count = old.len();
-        let (old, new) = (&old[..count], &mut new[..count]);
-        let [a, v, u] = [&now.acceleration, &now.velocity, &now.displacement].map(|x| &x[..count]);
-        let predicted = &mut self.predicted[..count];
-        let guess = &mut next.displacement[..count];
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for i in 0..count {
-                    new[i] = a[i] + ratio * (old[i] - a[i]);
-                    predicted[i] = share * (new[i] - alpha_f * a[i]);
-                    guess[i] = u[i] + (step * v[i] + half * new[i]);
-                }
-            },
-        ));
+        let guess = Guess {
+            ratio,
+            share,
+            alpha_f,
+            step,
+            half,
+        };
+        let known = [
+            &now.acceleration[..],
+            &now.velocity,
+            &now.displacement,
+            &old[..],
+        ];
+        let guessed = [&mut new[..], &mut self.predicted, &mut next.displacement];
+        guess.run(known, guessed);
         // The mass term of a kept tangent belongs to one step size only.
         if self.step != Some(step) {
             self.workspace.forget();
@@ -242,21 +260,15 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let solved = self
             .workspace
             .solve(structure, &settings.newton, &equations, u)?;
-        let moved = &self.workspace.moved()[..count];
-        let predicted = &self.predicted[..count];
-        let acceleration = &mut next.acceleration[..count];
-        let velocity = &mut next.velocity[..count];
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for i in 0..count {
-                    let change = rate * moved[i];
-                    acceleration[i] = predicted[i] + inertia * moved[i];
-                    velocity[i] = v[i] + step * (new[i] + gamma * change);
-                    new[i] += change;
-                }
-            },
-        ));
+        let follow = Follow {
+            rate,
+            inertia,
+            step,
+            gamma,
+        };
+        let known = [self.workspace.moved(), &self.predicted, &now.velocity];
+        let following = [&mut new[..], &mut next.acceleration, &mut next.velocity];
+        follow.run(known, following);
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         self.workspace.settle(structure, next)?;
         let ends = Sample::ends(now, next);

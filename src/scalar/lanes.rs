@@ -4,7 +4,7 @@
 //! architectures, and a real number is a lane of its own.
 
 use num_traits::{One, Zero};
-use simba::simd::{SimdComplexField, WideF32x4, WideF32x8, WideF64x4};
+use simba::simd::{SimdBool, SimdComplexField, SimdPartialOrd, WideF32x4, WideF32x8, WideF64x4};
 
 use super::jet::{self, Jet};
 use super::{Algebra, Field, Real, Scalar};
@@ -37,6 +37,9 @@ pub trait Lanes<R>: Algebra<R> {
 
     /// The same, to write.
     fn blocks_mut(to: &mut [R]) -> &mut [Self::Block];
+
+    /// The larger of two numbers, in every lane; the first where one is no number.
+    fn greater(self, other: Self) -> Self;
 
     /// Reads rows into columns: number `i` of the row that begins at `starts(lane)` becomes that
     /// lane of `columns[i]`.
@@ -77,10 +80,142 @@ pub trait LaneWork<R> {
     }
 }
 
-/// Work of plain loops over numbers, compiled for the widest registers, which packs fill by themselves.
+/// Work of plain loops over numbers, compiled for the widest registers.
 /// The closure must be inlined, which is why it is not asked to be one that is called once: those are
 /// called by way of a function that is not.
 pub(crate) struct Loops<F>(pub(crate) F);
+
+/// What is done with the numbers at one place of several vectors, the same at every place: a loop
+/// in registers. (Plain loops over packs are taken for strided ones, and end in gathers.)
+pub(crate) trait Elementwise<R, const I: usize, const O: usize> {
+    /// Changes numbers of `O` vectors by those of `I` others. Must be inlined.
+    fn at<L: Lanes<R>>(&self, inputs: [L; I], outputs: &mut [L; O]);
+
+    /// Does it at all places.
+    fn run(&self, inputs: [&[R]; I], outputs: [&mut [R]; O])
+    where
+        R: Real,
+        Self: Sized,
+    {
+        R::dispatch(AllPlaces {
+            work: self,
+            inputs,
+            outputs,
+        });
+    }
+
+    /// The same inside work in lanes.
+    #[inline(always)]
+    fn run_in<L: Lanes<R>>(&self, inputs: [&[R]; I], outputs: [&mut [R]; O])
+    where
+        R: Real,
+        Self: Sized,
+    {
+        let places = AllPlaces {
+            work: self,
+            inputs,
+            outputs,
+        };
+        LaneWork::run::<L>(places);
+    }
+}
+
+/// Defines [`Elementwise`] work: its constants, the vectors it reads and those it changes.
+macro_rules! elementwise {
+    (
+        $(#[$doc:meta])*
+        $name:ident($($constant:ident),*): [$($input:ident),*] -> [$($output:ident),*] $body:block
+    ) => {
+        $(#[$doc])*
+        struct $name<R> {
+            $($constant: R),*
+        }
+
+        impl<R: $crate::scalar::Real>
+            $crate::scalar::Elementwise<
+                R,
+                { <[&str]>::len(&[$(stringify!($input)),*]) },
+                { <[&str]>::len(&[$(stringify!($output)),*]) },
+            > for $name<R>
+        {
+            #[inline(always)]
+            fn at<L: $crate::scalar::Lanes<R>>(
+                &self,
+                [$($input),*]: [L; { <[&str]>::len(&[$(stringify!($input)),*]) }],
+                [$($output),*]: &mut [L; { <[&str]>::len(&[$(stringify!($output)),*]) }],
+            ) {
+                $(let $constant = L::lift(self.$constant);)*
+                $body
+            }
+        }
+    };
+}
+pub(crate) use elementwise;
+
+struct AllPlaces<'a, R, W, const I: usize, const O: usize> {
+    work: &'a W,
+    inputs: [&'a [R]; I],
+    outputs: [&'a mut [R]; O],
+}
+
+impl<R, W, const I: usize, const O: usize> LaneWork<R> for AllPlaces<'_, R, W, I, O>
+where
+    R: Real,
+    W: Elementwise<R, I, O>,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self {
+            work,
+            inputs,
+            mut outputs,
+        } = self;
+        let length = outputs[0].len();
+        let count = length / L::WIDTH;
+        let mut from: [&[L::Block]; I] = [&[]; I];
+        let mut to: [&mut [L::Block]; O] = std::array::from_fn(|_| Default::default());
+        for (from, input) in from.iter_mut().zip(inputs) {
+            *from = &L::blocks(&input[..length])[..count];
+        }
+        for (to, output) in to.iter_mut().zip(&mut outputs) {
+            *to = &mut L::blocks_mut(&mut output[..length])[..count];
+        }
+        for i in 0..count {
+            let (mut ins, mut outs) = ([L::zero(); I], [L::zero(); O]);
+            for n in 0..I {
+                ins[n] = L::load(from[n][i].as_ref());
+            }
+            for n in 0..O {
+                outs[n] = L::load(to[n][i].as_ref());
+            }
+            work.at(ins, &mut outs);
+            for n in 0..O {
+                outs[n].store(to[n][i].as_mut());
+            }
+        }
+        // The last ones in registers, too, so that all of them round alike.
+        let (start, rest) = (count * L::WIDTH, length % L::WIDTH);
+        if rest > 0 {
+            let mut numbers = [R::zero(); MOST_LANES];
+            let (mut ins, mut outs) = ([L::zero(); I], [L::zero(); O]);
+            for n in 0..I {
+                numbers[..rest].copy_from_slice(&inputs[n][start..length]);
+                ins[n] = L::load(&numbers);
+            }
+            for n in 0..O {
+                numbers[..rest].copy_from_slice(&outputs[n][start..length]);
+                outs[n] = L::load(&numbers);
+            }
+            work.at(ins, &mut outs);
+            for n in 0..O {
+                outs[n].store(&mut numbers);
+                outputs[n][start..length].copy_from_slice(&numbers[..rest]);
+            }
+        }
+    }
+}
 
 impl<R, T, F: FnMut() -> T> LaneWork<R> for Loops<F> {
     type Output = T;
@@ -119,6 +254,10 @@ impl<R: Real> Lanes<R> for R {
     #[inline(always)]
     fn store(self, to: &mut [R]) {
         to[0] = self;
+    }
+    #[inline(always)]
+    fn greater(self, other: Self) -> Self {
+        self.larger(other)
     }
     #[inline(always)]
     fn gather(x: &[R], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
@@ -232,6 +371,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn store(self, to: &mut [$r]) {
                 to[..$width].copy_from_slice(&<[$r; $width]>::from(self.0));
+            }
+            #[inline(always)]
+            fn greater(self, other: Self) -> Self {
+                other.simd_gt(self).if_else(|| other, || self)
             }
             by_array!($r, $width);
         }

@@ -167,6 +167,11 @@ impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Lanes<Pack<R, N>> for
     blocks!(Pack<R, N>, 1);
 
     #[inline(always)]
+    fn greater(self, other: Self) -> Self {
+        self.with(other, L::greater)
+    }
+
+    #[inline(always)]
     fn load(from: &[Pack<R, N>]) -> Self {
         Self::lift(from[0])
     }

@@ -80,7 +80,7 @@ macro_rules! register {
         $t:ident, $raw:ident, $r:ty, $width:literal, $feature:literal, $run:ident,
         $pack:literal in $count:literal, $run_pack:ident,
         $set:ident $load:ident $store:ident $tile:ident
-        $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $fused:ident
+        $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $fused:ident $max:ident
     ) => {
         #[derive(Debug, Clone, Copy)]
         pub(super) struct $t($raw);
@@ -197,6 +197,11 @@ macro_rules! register {
             blocks!($r, $width);
 
             #[inline(always)]
+            fn greater(self, other: Self) -> Self {
+                Self(unsafe { $max(other.0, self.0) })
+            }
+
+            #[inline(always)]
             fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
                 let mut rows = [x; $width];
                 for (lane, row) in rows.iter_mut().enumerate() {
@@ -286,22 +291,26 @@ register!(
     8 in 2, in_two_f64x4,
     _mm256_set1_pd _mm256_loadu_pd _mm256_storeu_pd transpose_f64
     _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd _mm256_fmadd_pd
+    _mm256_max_pd
 );
 register!(
     F32x8, __m256, f32, 8, "avx2,fma", in_f32x8,
     16 in 2, in_two_f32x8,
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps transpose_f32
     _mm256_add_ps _mm256_sub_ps _mm256_mul_ps _mm256_div_ps _mm256_sqrt_ps _mm256_fmadd_ps
+    _mm256_max_ps
 );
 register!(
     F64x8, __m512d, f64, 8, "avx512f,avx2,fma", in_f64x8,
     8 in 1, in_one_f64x8,
     _mm512_set1_pd _mm512_loadu_pd _mm512_storeu_pd transpose_f64
     _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_fmadd_pd
+    _mm512_max_pd
 );
 register!(
     F32x16, __m512, f32, 16, "avx512f,avx2,fma", in_f32x16,
     16 in 1, in_one_f32x16,
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps transpose_f32
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_fmadd_ps
+    _mm512_max_ps
 );

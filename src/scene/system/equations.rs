@@ -6,22 +6,23 @@ use std::ops::Range;
 use super::System;
 use crate::element::NodalVector;
 use crate::error::{Error, Result};
-use crate::scalar::{Loops, Real};
+use crate::scalar::{Elementwise, Real, elementwise};
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
 use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns, add_tangent_with};
 
+elementwise! {
+    /// Adds a multiple.
+    AddTimes(factor): [x] -> [sum] {
+        *sum += factor * x;
+    }
+}
+
 impl<R: Real, const D: usize> System<R, D> {
     fn add_weight(&self, factor: R, q: &mut [R]) {
-        let Some(weight) = &self.weight else { return };
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for (q, w) in q.iter_mut().zip(weight) {
-                    *q += factor * *w;
-                }
-            },
-        ));
+        if let Some(weight) = &self.weight {
+            AddTimes { factor }.run([weight], [&mut q[..weight.len()]]);
+        }
     }
 
     fn add_loads(

@@ -8,7 +8,7 @@ use super::ldlt::{SUMS, first, first_mut, products};
 use super::matrix::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
-use crate::scalar::{LaneWork, Lanes, Real};
+use crate::scalar::{Elementwise, LaneWork, Lanes, MOST_LANES, Real, elementwise};
 use crate::solver::Tape;
 
 /// Rounding units, relative to the equilibrated matrix, below which a pivot is taken for zero.
@@ -121,10 +121,10 @@ impl<R: Real> Lu<R> {
         }
     }
 
-    /// Copies the matrix into the workspace, both triangles, with its rows scaled, and finds the scales
-    /// of its columns. They are powers of two, so that no rounding enters.
+    /// Copies the matrix into the workspace, both triangles, and finds the scales of its rows and columns.
+    /// They are powers of two, so that no rounding enters.
     #[inline(always)]
-    fn fetch(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
+    fn fetch<L: Lanes<R>>(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
         let (first, reach) = (profile.first(), profile.reach());
         let size = profile.size();
         if matrix.is_symmetric() {
@@ -144,13 +144,10 @@ impl<R: Real> Lu<R> {
             if !matrix.is_symmetric() {
                 row.copy_from_slice(matrix.row(i).1);
             }
-            let row_scale = scale(largest(row)?, i)?;
+            let row_scale = scale(largest::<R, L>(row)?, i)?;
             self.row_scale[i] = row_scale;
             let columns = &mut self.column_scale[first[i]..];
-            for (largest, entry) in columns.iter_mut().zip(row) {
-                *entry *= row_scale;
-                *largest = largest.larger(entry.abs());
-            }
+            Measure { row_scale }.run_in::<L>([row], [&mut columns[..row.len()]]);
         }
         for j in 0..size {
             self.column_scale[j] = scale(self.column_scale[j], j)?;
@@ -158,14 +155,14 @@ impl<R: Real> Lu<R> {
         Ok(())
     }
 
-    /// Scales the columns of row `i`.
+    /// Scales row `i` and its columns.
     #[inline(always)]
-    fn scale_columns(&mut self, profile: &Profile, i: usize) {
+    fn scale_row<L: Lanes<R>>(&mut self, profile: &Profile, i: usize) {
         let (first, last) = (profile.first()[i], profile.reach()[i]);
         let range = self.index(i, first)..=self.index(i, last);
-        for (entry, scale) in self.rows[range].iter_mut().zip(&self.column_scale[first..]) {
-            *entry *= *scale;
-        }
+        let row_scale = self.row_scale[i];
+        let columns = &self.column_scale[first..];
+        Scale { row_scale }.run_in::<L>([columns], [&mut self.rows[range]]);
     }
 
     /// Whether the determinant of the last matrix is negative.
@@ -230,7 +227,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             matrix,
         } = self;
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
-        lu.fetch(profile, matrix)?;
+        lu.fetch::<L>(profile, matrix)?;
         let (size, reach) = (profile.size(), profile.reach());
         let (width, half, stride) = (lu.width, lu.half, lu.half + overrun::<R>());
         let (mut end, mut seen) = (0, 0);
@@ -239,7 +236,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             let last = reach[j];
             // Just before their first use, while the cache still holds them.
             while seen <= last {
-                lu.scale_columns(profile, seen);
+                lu.scale_row::<L>(profile, seen);
                 lu.widened[seen] = reach[seen];
                 seen += 1;
             }
@@ -402,28 +399,47 @@ fn not_finite<R: Real>(entry: R) -> Error {
     }
 }
 
+elementwise! {
+    /// The largest magnitudes of columns, by one more row.
+    Measure(row_scale): [entry] -> [largest] {
+        let entry = entry * row_scale;
+        *largest = largest.greater(entry.greater(-entry));
+    }
+}
+
+elementwise! {
+    /// Scales a row by the scales of its columns and its own.
+    Scale(row_scale): [column_scale] -> [entry] {
+        *entry = *entry * row_scale * column_scale;
+    }
+}
+
 /// Largest magnitude in a row, refusing what is not finite.
 #[inline(always)]
-fn largest<R: Real>(row: &[R]) -> Result<R> {
-    // Side by side in registers.
-    let (mut largest, mut nothing) = ([R::zero(); SUMS], [R::zero(); SUMS]);
-    let (whole, rest) = row.as_chunks::<SUMS>();
-    for entries in whole {
-        for k in 0..SUMS {
-            largest[k] = largest[k].larger(entries[k].abs());
-            nothing[k] += entries[k] * R::zero();
-        }
+fn largest<R: Real, L: Lanes<R>>(row: &[R]) -> Result<R> {
+    let mut numbers = [R::zero(); MOST_LANES];
+    let rest = row.len() % L::WIDTH;
+    numbers[..rest].copy_from_slice(&row[row.len() - rest..]);
+    let last = L::load(&numbers);
+    let (mut largest, mut nothing) = (last.greater(-last), last * L::zero());
+    for block in L::blocks(row) {
+        let entries = L::load(block.as_ref());
+        largest = largest.greater(entries.greater(-entries));
+        nothing += entries * L::zero();
     }
-    for (k, entry) in rest.iter().enumerate() {
-        largest[k] = largest[k].larger(entry.abs());
-        nothing[k] += *entry * R::zero();
+    let mut sum = R::zero();
+    nothing.store(&mut numbers);
+    for number in &numbers[..L::WIDTH] {
+        sum += *number;
     }
-    if !nothing.into_iter().sum::<R>().finite()
+    if !sum.finite()
         && let Some(entry) = row.iter().find(|entry| !entry.finite())
     {
         return Err(not_finite(*entry));
     }
-    Ok(largest.into_iter().fold(R::zero(), R::larger))
+    largest.store(&mut numbers);
+    let largest = &numbers[..L::WIDTH];
+    Ok(largest.iter().copied().fold(R::zero(), R::larger))
 }
 
 /// Power of two that brings `largest` into 1..=2.

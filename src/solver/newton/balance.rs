@@ -3,7 +3,7 @@
 
 use super::{Assembled, Equations, Rest, Workspace, gather};
 use crate::error::Result;
-use crate::scalar::{Loops, Real};
+use crate::scalar::{Elementwise, Loops, Real, elementwise};
 use crate::solver::Structure;
 use crate::tensor::array;
 
@@ -42,16 +42,7 @@ impl<R: Real> Workspace<R> {
         match equations.inertia {
             Some((rate, predicted)) => {
                 self.inertia.fill(R::zero());
-                let (accelerations, moved) = (&mut self.scratch, &self.moved);
-                R::dispatch(Loops(
-                    #[inline(always)]
-                    || {
-                        let moved = predicted.iter().zip(moved);
-                        for (a, (predicted, moved)) in accelerations.iter_mut().zip(moved) {
-                            *a = *predicted + rate * *moved;
-                        }
-                    },
-                ));
+                Accelerations { rate }.run([predicted, &self.moved], [&mut self.scratch]);
                 structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
                 Ok(self.norms(structure, true))
             }
@@ -185,6 +176,13 @@ impl<R: Real> Workspace<R> {
         let still = moved.at_most(R::zero());
         let share = change / R::one().where_else(still, moved);
         Ok(R::zero().where_else(still, share).largest())
+    }
+}
+
+elementwise! {
+    /// Accelerations after corrections of displacements.
+    Accelerations(rate): [predicted, moved] -> [acceleration] {
+        *acceleration = predicted + rate * moved;
     }
 }
 
