@@ -35,6 +35,7 @@ pub(super) struct Lu<R> {
     /// Last column of row `i` behind which there are no zeros yet.
     widened: Vec<usize>,
     row_scale: Vec<R>,
+    /// Zeros are behind them.
     column_scale: Vec<R>,
     /// The sign of the determinant.
     sign: R,
@@ -56,7 +57,7 @@ impl<R: Real> Lu<R> {
             upper_end: vec![0; size],
             widened: vec![0; size],
             row_scale: vec![R::zero(); size],
-            column_scale: vec![R::zero(); size],
+            column_scale: vec![R::zero(); size + overrun::<R>()],
             sign: R::one(),
             vector: vec![R::zero(); size + SUMS - 1],
         }
@@ -140,14 +141,15 @@ impl<R: Real> Lu<R> {
         for i in 0..size {
             let (start, end) = (self.index(i, first[i]), self.index(i, reach[i]) + 1);
             self.rows[end..end + overrun::<R>()].fill(R::zero());
-            let row = &mut self.rows[start..end];
             if !matrix.is_symmetric() {
-                row.copy_from_slice(matrix.row(i).1);
+                self.rows[start..end].copy_from_slice(matrix.row(i).1);
             }
+            let length = (end - start).next_multiple_of(L::WIDTH);
+            let row = &self.rows[start..][..length];
             let row_scale = scale(largest::<R, L>(row)?, i)?;
             self.row_scale[i] = row_scale;
-            let columns = &mut self.column_scale[first[i]..];
-            Measure { row_scale }.run_in::<L>([row], [&mut columns[..row.len()]]);
+            let columns = &mut self.column_scale[first[i]..][..length];
+            Measure { row_scale }.run_in::<L>([row], [columns]);
         }
         for j in 0..size {
             self.column_scale[j] = scale(self.column_scale[j], j)?;
@@ -159,10 +161,11 @@ impl<R: Real> Lu<R> {
     #[inline(always)]
     fn scale_row<L: Lanes<R>>(&mut self, profile: &Profile, i: usize) {
         let (first, last) = (profile.first()[i], profile.reach()[i]);
-        let range = self.index(i, first)..=self.index(i, last);
+        let start = self.index(i, first);
+        let length = (last + 1 - first).next_multiple_of(L::WIDTH);
         let row_scale = self.row_scale[i];
-        let columns = &self.column_scale[first..];
-        Scale { row_scale }.run_in::<L>([columns], [&mut self.rows[range]]);
+        let columns = &self.column_scale[first..][..length];
+        Scale { row_scale }.run_in::<L>([columns], [&mut self.rows[start..][..length]]);
     }
 
     /// Whether the determinant of the last matrix is negative.
@@ -187,9 +190,9 @@ impl<R: Real> Lu<R> {
             tape.numbers(&mut multipliers[..half])?;
         }
         for numbers in [
-            &mut self.inverse,
+            &mut self.inverse[..],
             &mut self.row_scale,
-            &mut self.column_scale,
+            &mut self.column_scale[..size],
         ] {
             tape.numbers(numbers)?;
         }
@@ -414,14 +417,11 @@ elementwise! {
     }
 }
 
-/// Largest magnitude in a row, refusing what is not finite.
+/// Largest magnitude in a row that fills registers, refusing what is not finite.
 #[inline(always)]
 fn largest<R: Real, L: Lanes<R>>(row: &[R]) -> Result<R> {
     let mut numbers = [R::zero(); MOST_LANES];
-    let rest = row.len() % L::WIDTH;
-    numbers[..rest].copy_from_slice(&row[row.len() - rest..]);
-    let last = L::load(&numbers);
-    let (mut largest, mut nothing) = (last.greater(-last), last * L::zero());
+    let (mut largest, mut nothing) = (L::zero(), L::zero());
     for block in L::blocks(row) {
         let entries = L::load(block.as_ref());
         largest = largest.greater(entries.greater(-entries));
