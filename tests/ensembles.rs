@@ -163,6 +163,22 @@ fn motions_stay_together_in_lanes() {
     check_together(&Pendulum(Newmark::trapezoidal()), row);
 }
 
+/// Solves that end where rounding leaves a residual, by unsymmetric tangents with pivots to choose, after
+/// as many iterations as each lane takes.
+#[test]
+fn conserving_motions_stay_together_in_lanes() {
+    let row = |lane: usize| {
+        let by = |share: f64| 1.0 + share * lane as f64;
+        [1e7 * by(0.3), 0.01 * by(0.05)]
+    };
+    let conserving = EnergyMomentum::conserving();
+    let newton = Newton {
+        refresh: Refresh::EverySolve,
+        ..conserving.newton
+    };
+    check_together(&Pendulum(conserving.with_newton(newton)), row);
+}
+
 /// Lanes that need fewer of Newton's iterations wait for the others.
 #[test]
 fn statics_stay_together_in_lanes() {

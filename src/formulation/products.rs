@@ -21,8 +21,8 @@ pub struct Vectors<R, const D: usize, const S: usize> {
     bare: [bool; S],
 }
 
-/// Changes of scalar products and what is conjugate to them, in one square: where numbers are lanes,
-/// another one fills what it is made in with zeros for as long as a force takes to sum up.
+/// Changes of scalar products and what is conjugate to them, in one square: of lanes it takes kilobytes,
+/// and a second one would be as long to fill with zeros as a force is to sum up.
 #[derive(Debug, Clone, Copy)]
 pub struct Square<T, const S: usize> {
     /// At `[i][j]`, `i <= j`, what is conjugate to a product; at `[j][i]`, `i < j`, its change.

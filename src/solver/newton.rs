@@ -47,14 +47,16 @@ impl Stability {
     }
 }
 
-/// What is left in a matrix that tangents are added to.
+/// What is left, for use in this solve, in a matrix that tangents are added to. Symmetric ones leave
+/// nothing: whether they are factorised in their own storage depends on whether they are definite, in
+/// which lanes, and runs that were resumed, may differ from others.
 #[derive(Debug, Clone, Copy)]
 enum Assembled<R> {
-    /// Nothing of use: what factorisation left, or a tangent that a resumed run would not have.
+    /// Nothing.
     Nothing,
-    /// A tangent.
+    /// The last tangent.
     Tangent,
-    /// A tangent and this much of the mass.
+    /// The last tangent and this much of the mass.
     WithMass(R),
 }
 
@@ -250,9 +252,7 @@ impl<R: Real> Workspace<R> {
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
         self.force = R::zero();
-        if equations.inertia.is_some() {
-            self.assembled = Assembled::Nothing;
-        }
+        self.assembled = Assembled::Nothing;
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
             self.forget();
@@ -297,7 +297,7 @@ impl<R: Real> Workspace<R> {
             if stuck.any() {
                 self.tangent.clear();
                 self.add_tangent(structure, &equations, u, None)?;
-                self.assembled = Assembled::Tangent;
+                self.assembled = Assembled::Nothing;
                 let rounding = self.rounding(structure, structure.measure())? / self.unit();
                 at_floor |= stuck & balance.residual.at_most(rounding);
             }
@@ -413,7 +413,11 @@ impl<R: Real> Workspace<R> {
             }
             false => factor.factor(matrix),
         };
-        self.assembled = mass.map_or(Assembled::Tangent, Assembled::WithMass);
+        self.assembled = match (structure.symmetric(), mass) {
+            (true, _) => Assembled::Nothing,
+            (false, None) => Assembled::Tangent,
+            (false, Some(mass)) => Assembled::WithMass(mass),
+        };
         self.definite = self.factor.definite();
         self.factored = factored.is_ok();
         factored.map_err(|error| match singular(structure, error) {

@@ -3,7 +3,7 @@
 
 use crate::scalar::prefetch;
 
-/// Bytes of a matrix that the second cache holds on any processor of today.
+/// Bytes of a matrix from which on it is asked for: about what second caches hold.
 const CACHE: usize = 1 << 19;
 /// Bytes of a line of the caches.
 const LINE: usize = 64;
@@ -18,7 +18,7 @@ pub(super) fn far<R>(numbers: &[R]) -> bool {
     size_of_val(numbers) > CACHE
 }
 
-/// Asks for numbers.
+/// Asks for numbers, of those longer than a line for their first.
 #[inline(always)]
 pub(super) fn fetch<R>(numbers: &[R]) {
     let per_line = (LINE / size_of::<R>()).max(1);

@@ -265,10 +265,10 @@ impl<R: Real> Ldlt<R> {
         }
         let reached = below + L::WIDTH - 1;
         let count = reached / L::WIDTH;
-        let rest = first_mut::<R, L>(&mut x[j + P..], count);
+        let rest = first_blocks_mut::<R, L>(&mut x[j + P..], count);
         let mut blocks: [&[L::Block]; P] = [&[]; P];
         for p in 0..P {
-            blocks[p] = first::<R, L>(columns[p], count);
+            blocks[p] = first_blocks::<R, L>(columns[p], count);
         }
         for i in 0..count {
             let mut sum = L::load(rest[i].as_ref());
@@ -418,8 +418,8 @@ impl<R: Real> Ldlt<R> {
         let mut columns: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
         let mut copies: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
         for (p, (column, copy)) in scaled.iter_mut().zip(&mut unscaled).enumerate() {
-            columns[p] = first_mut::<R, L>(column, count);
-            copies[p] = first_mut::<R, L>(copy, count);
+            columns[p] = first_blocks_mut::<R, L>(column, count);
+            copies[p] = first_blocks_mut::<R, L>(copy, count);
         }
         for i in 0..count {
             let mut l = [L::zero(); P];
@@ -461,11 +461,11 @@ impl<R: Real> Ldlt<R> {
             add_one(&mut first[0], &factors[0], &pivots);
             let reached = below - k - 1 + L::WIDTH - 1;
             let count = reached / L::WIDTH;
-            let first = first_mut::<R, L>(&mut first[1..], count);
-            let second = first_mut::<R, L>(second, count);
+            let first = first_blocks_mut::<R, L>(&mut first[1..], count);
+            let second = first_blocks_mut::<R, L>(second, count);
             let mut columns: [&[L::Block]; P] = [&[]; P];
             for p in 0..P {
-                columns[p] = self::first::<R, L>(&scaled[p][k + 1..], count);
+                columns[p] = first_blocks::<R, L>(&scaled[p][k + 1..], count);
             }
             for i in 0..count {
                 let mut entries = [L::load(first[i].as_ref()), L::load(second[i].as_ref())];
@@ -493,13 +493,13 @@ impl<R: Real> Ldlt<R> {
 
 /// The first blocks of a slice.
 #[inline(always)]
-pub(super) fn first<R, L: Lanes<R>>(from: &[R], count: usize) -> &[L::Block] {
+pub(super) fn first_blocks<R, L: Lanes<R>>(from: &[R], count: usize) -> &[L::Block] {
     &L::blocks(from)[..count]
 }
 
 /// The same, to write.
 #[inline(always)]
-pub(super) fn first_mut<R, L: Lanes<R>>(to: &mut [R], count: usize) -> &mut [L::Block] {
+pub(super) fn first_blocks_mut<R, L: Lanes<R>>(to: &mut [R], count: usize) -> &mut [L::Block] {
     &mut L::blocks_mut(to)[..count]
 }
 

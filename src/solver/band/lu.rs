@@ -4,7 +4,7 @@
 //! pivot compares them. The diagonal is taken unless it is small in its column: interchanges widen the
 //! rows, and the lanes of a pack choose the same pivots where all choose those.
 
-use super::ldlt::{SUMS, first, first_mut, products};
+use super::ldlt::{SUMS, first_blocks, first_blocks_mut, products};
 use super::matrix::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
@@ -25,7 +25,7 @@ pub(super) struct Lu<R> {
     rows: Vec<R>,
     width: usize,
     half: usize,
-    /// Multipliers of pivot `j`, contiguous from `j * half`, and zeros behind them all.
+    /// Multipliers of pivot `j`, contiguous, and zeros behind them.
     multipliers: Vec<R>,
     inverse: Vec<R>,
     /// Row interchanged with row `j`.
@@ -248,7 +248,9 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             for i in j + 1..=last {
                 below = below.larger(lu.rows[lu.index(i, j)].abs());
             }
-            let chosen = match (below * R::lit(SHARE)).at_most(diagonal).common() {
+            let noise = R::lit(NOISE * R::EPSILON);
+            let least = noise.larger(below * R::lit(SHARE));
+            let chosen = match least.at_most(diagonal).common() {
                 true => j,
                 false => lu.largest_of_column(j, last),
             };
@@ -256,8 +258,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             if !pivot.finite() {
                 return Err(not_finite(pivot));
             }
-            let noise = R::lit(NOISE * R::EPSILON);
-            if below.larger(pivot.abs()).at_most(noise).common() {
+            if pivot.abs().at_most(noise).common() {
                 return Err(lu.singular(j, last, chosen));
             }
             end = end.max(reach[chosen]);
@@ -284,13 +285,13 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             lu.inverse[j] = inverse;
             let reached = count - 1 + L::WIDTH - 1;
             let blocks = reached / L::WIDTH;
-            let pivot_row = first::<R, L>(&pivot_row[1..], blocks);
+            let pivot_row = first_blocks::<R, L>(&pivot_row[1..], blocks);
             let multipliers = &mut lu.multipliers[j * stride..][..last - j];
             for (i, multiplier) in (j + 1..=last).zip(multipliers) {
                 let row = &mut lower[at(i)..];
                 *multiplier = row[0] * inverse;
                 let minus = L::lift(-*multiplier);
-                let row = first_mut::<R, L>(&mut row[1..], blocks);
+                let row = first_blocks_mut::<R, L>(&mut row[1..], blocks);
                 for k in 0..blocks {
                     let entry = L::load(row[k].as_ref());
                     let along = L::load(pivot_row[k].as_ref());
@@ -333,8 +334,8 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
             let reached = reach[j] - j + L::WIDTH - 1;
             let count = reached / L::WIDTH;
             let multipliers = lu.multipliers_of(j, reached);
-            let multipliers = first::<R, L>(multipliers, count);
-            let rest = first_mut::<R, L>(&mut vector[j + 1..], count);
+            let multipliers = first_blocks::<R, L>(multipliers, count);
+            let rest = first_blocks_mut::<R, L>(&mut vector[j + 1..], count);
             for k in 0..count {
                 let entry = L::load(rest[k].as_ref());
                 let along = L::load(multipliers[k].as_ref());
@@ -348,7 +349,9 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
             products::<R, L, 1>(&[row], &vector[j + 1..], count, &mut parts);
             // In three steps: the next row waits for this.
             let [mut parts] = parts;
-            for half in [4, 2, 1] {
+            let mut half = SUMS;
+            while half > 1 {
+                half /= 2;
                 for k in 0..half {
                     let other = parts[k + half];
                     parts[k] += other;
@@ -421,6 +424,7 @@ elementwise! {
 #[inline(always)]
 fn largest<R: Real, L: Lanes<R>>(row: &[R]) -> Result<R> {
     let mut numbers = [R::zero(); MOST_LANES];
+    // Times zero, what is no number or infinite is none, and all others are nothing.
     let (mut largest, mut nothing) = (L::zero(), L::zero());
     for block in L::blocks(row) {
         let entries = L::load(block.as_ref());

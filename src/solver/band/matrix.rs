@@ -5,6 +5,7 @@ use std::ops::{Add, Range};
 
 use num_traits::Signed;
 
+use super::ldlt::SUMS;
 use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
@@ -348,12 +349,12 @@ impl<R: Real> BandMatrix<R> {
                 for i in 0..self.size() {
                     let (first, row) = self.row(i);
                     // Partial sums, which registers hold side by side.
-                    let mut sums = [R::zero(); PARTS];
+                    let mut sums = [R::zero(); SUMS];
                     let x_of = &x[first..first + row.len()];
-                    let (whole, rest) = row.as_chunks::<PARTS>();
-                    let (x_whole, x_rest) = x_of.as_chunks::<PARTS>();
+                    let (whole, rest) = row.as_chunks::<SUMS>();
+                    let (x_whole, x_rest) = x_of.as_chunks::<SUMS>();
                     for (row, x) in whole.iter().zip(x_whole) {
-                        for k in 0..PARTS {
+                        for k in 0..SUMS {
                             sums[k] += map(row[k]) * map(x[k]);
                         }
                     }
@@ -415,9 +416,6 @@ impl<R: Real> BandMatrix<R> {
         })
     }
 }
-
-/// Numbers that a product is summed in.
-const PARTS: usize = 8;
 
 /// Numbers that a register of heavy work reaches at most beyond the end of a column.
 pub(super) const fn overrun<R>() -> usize {

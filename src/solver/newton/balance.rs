@@ -108,16 +108,18 @@ impl<R: Real> Workspace<R> {
         balance: &Balance<R>,
         u: &[R],
     ) -> Result<R> {
-        // That of an earlier state of this solve serves as well.
         match self.assembled {
             Assembled::Tangent => {}
-            Assembled::WithMass(mass) => structure.add_mass(-mass, &mut self.tangent)?,
+            Assembled::WithMass(mass) => {
+                structure.add_mass(-mass, &mut self.tangent)?;
+                self.assembled = Assembled::Tangent;
+            }
+            // Not kept, for lanes come to ask at iterations of their own.
             Assembled::Nothing => {
                 self.tangent.clear();
                 self.add_tangent(structure, equations, u, None)?;
             }
         }
-        self.assembled = Assembled::Tangent;
         let floor = self.rounding(structure, u)?;
         Ok(floor / self.unit() + balance.scale * R::lit(8.0 * R::EPSILON))
     }
