@@ -14,9 +14,9 @@ use crate::solver::Tape;
 /// Rounding units, relative to the equilibrated matrix, below which a pivot is taken for zero.
 const NOISE: f64 = 4.0;
 
-/// Share of the largest entry of its column from which on a diagonal entry is the pivot: entries grow by
-/// at most eleven times where it is, by two where the largest is.
-const SHARE: f64 = 0.1;
+/// Share of the largest entry of its column from which on a diagonal entry is the pivot. The smaller it is,
+/// the seldomer lanes part, and the more entries may grow, at most by 33 in a step.
+const SHARE: f64 = 1.0 / 32.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Lu<R> {
