@@ -1,8 +1,8 @@
 //! Band LU with pivoting: the path of general matrices and the fallback for symmetric ones that
 //! elimination without pivoting cannot factorise stably. Rows and columns are first equilibrated,
 //! because stiffnesses and constraint coefficients differ by many powers of ten and the choice of a
-//! pivot compares them. The diagonal is taken unless it is small in its column: interchanges widen the
-//! rows, and the lanes of a pack choose the same pivots where all choose those.
+//! pivot compares them. Of general matrices the diagonal is taken unless it is small in its column:
+//! interchanges widen the rows, and the lanes of a pack choose the same pivots where all choose those.
 
 use super::ldlt::{SUMS, first_blocks, first_blocks_mut, products};
 use super::matrix::overrun;
@@ -233,6 +233,8 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
         lu.fetch::<L>(profile, matrix)?;
         let (size, reach) = (profile.size(), profile.reach());
         let (width, half, stride) = (lu.width, lu.half, lu.half + overrun::<R>());
+        // A symmetric matrix comes here where elimination without pivoting failed: no digit is given away.
+        let share = R::lit(if matrix.is_symmetric() { 1.0 } else { SHARE });
         let (mut end, mut seen) = (0, 0);
         lu.sign = R::one();
         for j in 0..size {
@@ -249,7 +251,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
                 below = below.larger(lu.rows[lu.index(i, j)].abs());
             }
             let noise = R::lit(NOISE * R::EPSILON);
-            let least = noise.larger(below * R::lit(SHARE));
+            let least = noise.larger(below * share);
             let chosen = match least.at_most(diagonal).common() {
                 true => j,
                 false => lu.largest_of_column(j, last),
