@@ -23,6 +23,7 @@
 //! ```
 
 mod ahead;
+mod blocks;
 mod ldlt;
 mod lu;
 mod matrix;

@@ -2,6 +2,7 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
+use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut, products};
 use super::matrix::{column_starts, overrun};
 use super::{BandMatrix, Profile, ahead};
 use crate::error::{Error, Result};
@@ -10,10 +11,6 @@ use crate::solver::Tape;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
-
-/// Numbers a scalar product is summed in, whatever the registers hold, so that all of them round
-/// alike.
-pub(super) const SUMS: usize = 8;
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
 /// panel of pivots before it adds up to two, half of them of one sign or the other.
@@ -233,7 +230,7 @@ impl<R: Real> Ldlt<R> {
             };
             let terms = self.magnitude[j + p];
             let noise = pivot.abs().at_most(R::lit(NOISE * R::EPSILON) * terms);
-            let bound = R::lit(GROWTH) * largest_of_row(matrix, j + p);
+            let bound = R::lit(GROWTH) * matrix.largest_of_row(j + p);
             if (noise | !terms.at_most(bound)).any() {
                 // A lane that is definite would not have been watched in a run of its own.
                 let _ = Mask::among(R::LANES == 1).common();
@@ -491,72 +488,6 @@ impl<R: Real> Ldlt<R> {
     }
 }
 
-/// The first blocks of a slice.
-#[inline(always)]
-pub(super) fn first_blocks<R, L: Lanes<R>>(from: &[R], count: usize) -> &[L::Block] {
-    &L::blocks(from)[..count]
-}
-
-/// The same, to write.
-#[inline(always)]
-pub(super) fn first_blocks_mut<R, L: Lanes<R>>(to: &mut [R], count: usize) -> &mut [L::Block] {
-    &mut L::blocks_mut(to)[..count]
-}
-
-/// The partial sums of the scalar products of `N` columns with a vector.
-#[inline(always)]
-pub(super) fn products<R: Real, L: Lanes<R>, const N: usize>(
-    columns: &[&[R]],
-    x: &[R],
-    below: usize,
-    parts: &mut [[R; SUMS]],
-) {
-    assert!(SUMS.is_multiple_of(L::WIDTH), "registers of HEAVY work");
-    let mut sums = [[L::zero(); SUMS]; N];
-    let whole = below / SUMS;
-    let known = &x.as_chunks::<SUMS>().0[..whole];
-    let mut blocks: [&[[R; SUMS]]; N] = [&[]; N];
-    for n in 0..N {
-        blocks[n] = &columns[n].as_chunks().0[..whole];
-    }
-    for i in 0..whole {
-        for part in 0..SUMS / L::WIDTH {
-            let known = L::load(&known[i][part * L::WIDTH..]);
-            for n in 0..N {
-                let along = L::load(&blocks[n][i][part * L::WIDTH..]);
-                sums[n][part] = sums[n][part].plus_product(known, along);
-            }
-        }
-    }
-    for (part, at) in (whole * SUMS..below).step_by(L::WIDTH).enumerate() {
-        let known = L::load(&x[at..]);
-        for n in 0..N {
-            sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
-        }
-    }
-    for n in 0..N {
-        for part in 0..SUMS / L::WIDTH {
-            sums[n][part].store(&mut parts[n][part * L::WIDTH..]);
-        }
-    }
-}
-
-/// Adds `sum_p factors_p pivots_p` to one entry, rounded as where a register holds more of them.
-#[inline(always)]
-fn add_one<R: Real, L: Lanes<R>, const P: usize>(entry: &mut R, factors: &[L; P], pivots: &[R; P]) {
-    let mut sum = L::lift(*entry);
-    for p in 0..P {
-        sum = sum.plus_product(L::lift(pivots[p]), factors[p]);
-    }
-    if L::WIDTH == 1 {
-        sum.store(std::slice::from_mut(entry));
-        return;
-    }
-    let mut lanes = [R::zero(); SUMS];
-    sum.store(&mut lanes);
-    *entry = lanes[0];
-}
-
 struct Factorisation<'a, R> {
     ldlt: &'a mut Ldlt<R>,
     reach: &'a [usize],
@@ -661,13 +592,4 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
             }
         }
     }
-}
-
-fn largest_of_row<R: Real>(matrix: &BandMatrix<R>, i: usize) -> R {
-    let (_, row) = matrix.row(i);
-    let right = row.iter().map(|a| a.abs()).fold(R::zero(), R::larger);
-    let first = matrix.profile().first()[i];
-    (first..i)
-        .map(|k| matrix.get(i, k).abs())
-        .fold(right, R::larger)
 }

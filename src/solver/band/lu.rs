@@ -4,7 +4,7 @@
 //! pivot compares them. Of general matrices the diagonal is taken unless it is small in its column:
 //! interchanges widen the rows, and the lanes of a pack choose the same pivots where all choose those.
 
-use super::ldlt::{SUMS, first_blocks, first_blocks_mut, products};
+use super::blocks::{SUMS, add_multiple, products};
 use super::matrix::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
@@ -286,19 +286,11 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             let inverse = R::one() / pivot;
             lu.inverse[j] = inverse;
             let reached = count - 1 + L::WIDTH - 1;
-            let blocks = reached / L::WIDTH;
-            let pivot_row = first_blocks::<R, L>(&pivot_row[1..], blocks);
             let multipliers = &mut lu.multipliers[j * stride..][..last - j];
             for (i, multiplier) in (j + 1..=last).zip(multipliers) {
                 let row = &mut lower[at(i)..];
                 *multiplier = row[0] * inverse;
-                let minus = L::lift(-*multiplier);
-                let row = first_blocks_mut::<R, L>(&mut row[1..], blocks);
-                for k in 0..blocks {
-                    let entry = L::load(row[k].as_ref());
-                    let along = L::load(pivot_row[k].as_ref());
-                    entry.plus_product(along, minus).store(row[k].as_mut());
-                }
+                add_multiple::<R, L>(-*multiplier, &pivot_row[1..], &mut row[1..], reached);
             }
         }
         Ok(())
@@ -332,17 +324,10 @@ impl<R: Real> LaneWork<R> for Solution<'_, R> {
         vector[size..].fill(R::zero());
         for j in 0..size {
             vector.swap(j, lu.swapped[j]);
-            let minus = L::lift(-vector[j]);
             let reached = reach[j] - j + L::WIDTH - 1;
-            let count = reached / L::WIDTH;
             let multipliers = lu.multipliers_of(j, reached);
-            let multipliers = first_blocks::<R, L>(multipliers, count);
-            let rest = first_blocks_mut::<R, L>(&mut vector[j + 1..], count);
-            for k in 0..count {
-                let entry = L::load(rest[k].as_ref());
-                let along = L::load(multipliers[k].as_ref());
-                entry.plus_product(along, minus).store(rest[k].as_mut());
-            }
+            let (known, rest) = vector.split_at_mut(j + 1);
+            add_multiple::<R, L>(-known[j], multipliers, rest, reached);
         }
         for j in (0..size).rev() {
             let count = lu.upper_end[j] - j;

@@ -5,7 +5,7 @@ use std::ops::{Add, Range};
 
 use num_traits::Signed;
 
-use super::ldlt::SUMS;
+use super::blocks::SUMS;
 use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
@@ -151,6 +151,16 @@ impl<R: Real> BandMatrix<R> {
             true => self.line(i.min(j))[i.abs_diff(j)],
             false => self.line(i)[self.profile.half_bandwidth() + j - i],
         }
+    }
+
+    /// The largest magnitude in row `i`.
+    pub(super) fn largest_of_row(&self, i: usize) -> R {
+        let (_, row) = self.row(i);
+        let right = row.iter().map(|a| a.abs()).fold(R::zero(), R::larger);
+        let first = self.profile.first()[i];
+        (first..i)
+            .map(|k| self.get(i, k).abs())
+            .fold(right, R::larger)
     }
 
     /// Adds `value` to entry `(i, j)`. In a symmetric matrix an entry of the strict upper
