@@ -82,13 +82,23 @@ pub struct GramKernel<R, P, const D: usize, const S: usize> {
     terms: Terms,
 }
 
-/// The quadratic form while parts are added to it: `[i][j][k][l]` between the pairs `i <= j` and
-/// `k <= l`.
-pub(super) struct Form<R, const D: usize, const S: usize>(Vec<[[[R; S]; S]; S]>);
+/// The quadratic form while parts are added to it: between two pairs `i <= j` of nodal vectors, of which
+/// the first is not behind the second, at `[first][second]` of the numbers [`pair`] gives them.
+pub(super) struct Form<R, const D: usize, const S: usize>(Vec<R>);
+
+/// How many pairs `i <= j` of vectors there are.
+const fn pairs(vectors: usize) -> usize {
+    vectors * (vectors + 1) / 2
+}
+
+/// The number of the pair `i <= j` of vectors, row by row.
+const fn pair(i: usize, j: usize) -> usize {
+    j * (j + 1) / 2 + i
+}
 
 impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     pub(super) fn new() -> Self {
-        Self(vec![[[[R::zero(); S]; S]; S]; S])
+        Self(vec![R::zero(); pairs(S) * pairs(S)])
     }
 
     /// Adds constant moduli at the section points `(0, y[, z])` (m) with weights (m^2), at the
@@ -103,6 +113,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         points: &[([R; D], R)],
     ) {
         let basis = Basis::of::<E, D, S>(reference.length);
+        let mut strains = vec![Vec::with_capacity(pairs(S)); D * D];
         for ([xi], along) in axial.iter() {
             let mut axis = [R::zero(); D];
             axis[0] = xi;
@@ -126,46 +137,57 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                         array(|i| (0..D).fold(R::zero(), |s, k| s + map[a][k] * columns[k][i]))
                     });
                 }
-                self.add_point(moduli, &columns, weight);
+                self.add_point(moduli, &columns, weight, &mut strains);
             }
         }
     }
 
-    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`.
-    fn add_point(&mut self, moduli: &Moduli<R, D>, columns: &[[R; S]; D], weight: R) {
-        let mut strains = [[[[R::zero(); S]; S]; D]; D];
-        let mut stresses = strains;
-        for i in 0..S {
-            for j in i..S {
-                for a in 0..D {
-                    for b in a..D {
-                        strains[a][b][i][j] = strain_of(columns, [a, b], i, j);
-                        stresses[a][b][i][j] = weight
-                            * match a == b {
-                                true => (0..D).fold(R::zero(), |s, c| {
-                                    s + moduli.normal[a][c] * strain_of(columns, [c, c], i, j)
-                                }),
-                                false => moduli.shear[a][b] * strain_of(columns, [a, b], i, j),
-                            };
+    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`. `strains` is room.
+    fn add_point(
+        &mut self,
+        moduli: &Moduli<R, D>,
+        columns: &[[R; S]; D],
+        weight: R,
+        strains: &mut [Vec<(usize, R)>],
+    ) {
+        for (of, strain) in strains.iter_mut().enumerate() {
+            let (a, b) = (of / D, of % D);
+            strain.clear();
+            for j in 0..S {
+                for i in 0..=j {
+                    let value = strain_of(columns, [a, b], i, j);
+                    if a <= b && !value.is_nothing() {
+                        strain.push((pair(i, j), value));
                     }
                 }
             }
         }
-        for i in 0..S {
-            for j in i..S {
-                for a in 0..D {
-                    for b in a..D {
-                        let stress = stresses[a][b][i][j];
-                        if stress.is_nothing() {
-                            continue;
-                        }
-                        for k in 0..S {
-                            for l in k..S {
-                                self.0[i][j][k][l] += stress * strains[a][b][k][l];
-                            }
-                        }
-                    }
+        for a in 0..D {
+            for b in 0..D {
+                self.add_products(
+                    weight * moduli.normal[a][b],
+                    &strains[a * D + a],
+                    &strains[b * D + b],
+                );
+                if a < b {
+                    let strain = &strains[a * D + b];
+                    self.add_products(weight * moduli.shear[a][b], strain, strain);
                 }
+            }
+        }
+    }
+
+    /// Adds the product of two strains, of which each holds the pairs in order.
+    fn add_products(&mut self, modulus: R, left: &[(usize, R)], right: &[(usize, R)]) {
+        if modulus.is_nothing() {
+            return;
+        }
+        for (p, strain) in left {
+            let stress = modulus * *strain;
+            let form = &mut self.0[p * pairs(S)..][..pairs(S)];
+            let behind = right.partition_point(|(q, _)| q < p);
+            for (q, strain) in &right[behind..] {
+                form[*q] += stress * *strain;
             }
         }
     }
@@ -176,8 +198,8 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
         let raw = |p: usize, q: usize| {
             // One triangle, so that the form is symmetric to the last digit.
-            let ((i, j), (k, l)) = (all[p.min(q)], all[p.max(q)]);
-            self.0[i][j][k][l]
+            let [p, q] = [all[p], all[q]].map(|(i, j)| pair(i, j));
+            self.0[p.min(q) * pairs(S) + p.max(q)]
         };
         let entry = |p: usize, q: usize| {
             // Rounding of what cancels; but an entry that vanishes may have a derivative that does not.

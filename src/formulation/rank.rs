@@ -4,7 +4,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{ElementKernel, Formulation, Reference};
+use super::{ElementKernel, Formulation, Reference, Tangent};
 use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, positive};
 use crate::quadrature::Cubature;
@@ -40,7 +40,9 @@ where
     let target = size - rigid.max().unwrap_or(0);
     let rank_of = |trial: &F| -> Result<usize> {
         let kernel = trial.kernel(element, &reference, section)?;
-        let ranks = lanes().map(|lane| rank::<R, E, _, D, S>(&kernel, &reference, lane));
+        let (mut q, mut k) = ([[R::zero(); D]; S], [[[[R::zero(); D]; S]; D]; S]);
+        kernel.tangent(&[[R::zero(); D]; S], &mut q, &mut k);
+        let ranks = lanes().map(|lane| rank::<R, E, D, S>(&k, &reference, lane));
         let ranks = ranks.collect::<Result<Vec<_>>>()?;
         Ok(ranks.into_iter().min().unwrap_or(0))
     };
@@ -182,16 +184,13 @@ fn zero_below<R: Real>() -> f64 {
     }
 }
 
-/// Rank of the tangent at the reference configuration, coordinates scaled to a unit diagonal.
-fn rank<R: Real, E: Element<D, S>, Kn: ElementKernel<R, D, S>, const D: usize, const S: usize>(
-    kernel: &Kn,
+/// Rank of a tangent at the reference configuration, coordinates scaled to a unit diagonal.
+fn rank<R: Real, E: Element<D, S>, const D: usize, const S: usize>(
+    k: &Tangent<R, D, S>,
     reference: &Reference<R, D, S>,
     lane: usize,
 ) -> Result<usize> {
     let unit = |row: usize| unit::<R, E, D, S>(row, reference, lane);
-    let mut q = [[R::zero(); D]; S];
-    let mut k = [[[[R::zero(); D]; S]; D]; S];
-    kernel.tangent(&[[R::zero(); D]; S], &mut q, &mut k);
     let k = k.as_flattened().as_flattened().as_flattened();
     let matrix = DMatrix::from_fn(S * D, S * D, |i, j| {
         unit(i) * k[i * S * D + j].lane(lane) * unit(j)

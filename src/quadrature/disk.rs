@@ -2,20 +2,17 @@
 //! radius, in which the area element is uniform. For the disk these are the circular rules that
 //! the cross-sections of Orzechowski 2012 are integrated with, for every order.
 
+use std::sync::OnceLock;
+
 use super::line::{legendre_nodes, radau_nodes};
 use super::twofold::Twofold;
-use super::{Cubature, admissible};
+use super::{Cubature, MAX_ORDER, admissible};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::Real;
 
 /// Cosine and sine of `part / whole` of a full turn, reduced to half a right angle so that
 /// points mirrored in the axes or diagonals are mirrored to the last bit.
-fn direction<R: Real>(part: usize, whole: usize) -> [Twofold<R>; 2] {
-    // As rules of every order: what depends on nothing is computed in pairs of doubles.
-    turned(part, whole).map(Twofold::lifted)
-}
-
-fn turned(part: usize, whole: usize) -> [Twofold<f64>; 2] {
+fn direction(part: usize, whole: usize) -> [Twofold<f64>; 2] {
     let quarters = 4 * (part % whole);
     let (quadrant, mut rest) = (quarters / whole, quarters % whole);
     let reflected = 2 * rest > whole;
@@ -40,7 +37,7 @@ fn turned(part: usize, whole: usize) -> [Twofold<f64>; 2] {
 pub(crate) fn circle<R: Real>(radius: R, n: usize) -> Vec<[R; 2]> {
     let radius = Twofold::new(radius);
     (0..n)
-        .map(|k| direction(k, n).map(|x| (radius * x).round()))
+        .map(|k| direction(k, n).map(|x| (radius * Twofold::lifted(x)).round()))
         .collect()
 }
 
@@ -158,13 +155,17 @@ fn spread<R: Real>(
     points: &mut Vec<[R; 2]>,
     weights: &mut Vec<R>,
 ) {
-    let directions: Vec<_> = (0..rays)
-        .map(|k| direction(2 * k + phase, 2 * rays))
-        .collect();
+    // As nodes of every order: what depends on nothing is computed once, in pairs of doubles.
+    static KNOWN: [OnceLock<Vec<[Twofold<f64>; 2]>>; 4 * MAX_ORDER + 2] =
+        [const { OnceLock::new() }; 4 * MAX_ORDER + 2];
+    let directions = KNOWN[2 * rays + phase].get_or_init(|| {
+        let all = (0..rays).map(|k| direction(2 * k + phase, 2 * rays));
+        all.collect()
+    });
     let share = Twofold::pi() / Twofold::count(rays);
     for &(radius, area) in rings {
-        for unit in &directions {
-            points.push(unit.map(|x| (radius * x).round()));
+        for unit in directions {
+            points.push(unit.map(|x| (radius * Twofold::lifted(x)).round()));
             weights.push((share * area).round());
         }
     }
@@ -179,7 +180,7 @@ mod tests {
         for whole in 1..=48 {
             for part in 0..2 * whole {
                 let angle = 2.0 * std::f64::consts::PI * part as f64 / whole as f64;
-                let [cos, sin] = direction::<f64>(part, whole).map(|x| x.round());
+                let [cos, sin] = direction(part, whole).map(|x| x.round());
                 assert!((cos - angle.cos()).abs() < 4e-15, "{part}/{whole}");
                 assert!((sin - angle.sin()).abs() < 4e-15, "{part}/{whole}");
             }
@@ -188,11 +189,11 @@ mod tests {
 
     #[test]
     fn multiples_of_thirty_and_forty_five_degrees_are_exact() {
-        let [cos, sin] = direction::<f64>(1, 12).map(|x| x.round());
+        let [cos, sin] = direction(1, 12).map(|x| x.round());
         assert_eq!([cos, sin], [0.75_f64.sqrt(), 0.5]);
-        let [cos, sin] = direction::<f32>(3, 8).map(|x| x.round());
+        let [cos, sin] = direction(3, 8).map(|x| Twofold::<f32>::lifted(x).round());
         assert_eq!([cos, sin], [-0.5_f32.sqrt(), 0.5_f32.sqrt()]);
-        assert_eq!(direction::<f64>(3, 4).map(|x| x.round()), [0.0, -1.0]);
+        assert_eq!(direction(3, 4).map(|x| x.round()), [0.0, -1.0]);
     }
 
     #[test]

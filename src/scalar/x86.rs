@@ -238,10 +238,11 @@ macro_rules! register {
                 for (lane, row) in rows.iter_mut().enumerate() {
                     *row = starts(lane);
                 }
-                for (b, block) in columns.chunks(TILE).enumerate() {
+                let (whole, rest) = columns.as_chunks::<TILE>();
+                for (b, block) in whole.iter().enumerate() {
                     let mut values = [[0.0; $width]; TILE];
-                    for (values, column) in values.iter_mut().zip(block) {
-                        column.store(values);
+                    for j in 0..TILE {
+                        block[j].store(&mut values[j]);
                     }
                     for first in (0..$width).step_by(TILE) {
                         let mut tile = [[0.0; TILE]; TILE];
@@ -250,14 +251,18 @@ macro_rules! register {
                         }
                         unsafe { $tile(&mut tile) };
                         for lane in 0..TILE {
-                            let Some(start) = rows[first + lane] else {
-                                continue;
-                            };
-                            let row = &mut x[start + TILE * b..][..block.len()];
-                            match <&mut [$r; TILE]>::try_from(&mut *row) {
-                                Ok(row) => (0..TILE).for_each(|j| row[j] += tile[lane][j]),
-                                Err(_) => (0..row.len()).for_each(|j| row[j] += tile[lane][j]),
+                            if let Some(start) = rows[first + lane] {
+                                let row = &mut x[start + TILE * b..][..TILE];
+                                (0..TILE).for_each(|j| row[j] += tile[lane][j]);
                             }
+                        }
+                    }
+                }
+                for (j, column) in rest.iter().enumerate() {
+                    let values = column.to_array();
+                    for lane in 0..$width {
+                        if let Some(start) = rows[lane] {
+                            x[start + TILE * whole.len() + j] += values[lane];
                         }
                     }
                 }
