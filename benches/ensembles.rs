@@ -1,10 +1,12 @@
 //! Throughput of the rows of a sweep in lanes against the same rows one after the other, on one
 //! thread, and in lanes on all cores: by turns in one run, as many times 8 scenes of 10 elements as
-//! there are cores, assembly included. `cargo bench --bench ensembles`
+//! there are cores, assembly included. What runs one by one has its elements in lanes; without any is
+//! the same in baseline code. First in AVX2, then in the widest registers. `cargo bench --bench ensembles`
 
 use std::time::Instant;
 
 use ancf::prelude::*;
+use ancf::scalar::Registers;
 use ancf::sweep::{Experiment, Sweep};
 
 /// A pendulum for `[E, R]` and 200 steps of 1 ms.
@@ -96,27 +98,39 @@ fn compare<const P: usize>(
     let alone = Sweep::list(rows.collect())?;
     let lanes = alone.clone().in_lanes();
     let spread = lanes.clone().on_threads(cores)?;
-    let mut best = [f64::INFINITY; 3];
+    let mut best = [f64::INFINITY; 4];
     let mut apart = 0.0_f64;
+    let registers = Registers::widest();
+    let turns = [
+        (&alone, Registers::Baseline),
+        (&alone, registers),
+        (&lanes, registers),
+        (&spread, registers),
+    ];
     for _ in 0..7 {
-        let results = [(&alone, 0), (&lanes, 1), (&spread, 2)].map(|(sweep, which)| {
+        let mut results = Vec::new();
+        for ((sweep, registers), best) in turns.into_iter().zip(&mut best) {
+            registers.limit();
             let start = Instant::now();
-            let results = sweep.run(experiment);
-            best[which] = best[which].min(start.elapsed().as_secs_f64());
-            results
-        });
-        let [one_by_one, others @ ..] = &results;
-        for other in others {
-            for (one, lane) in one_by_one.rows().iter().zip(other.rows()) {
+            results.push(sweep.run(experiment));
+            *best = best.min(start.elapsed().as_secs_f64());
+        }
+        // Baseline code rounds otherwise.
+        for other in &results[2..] {
+            for (one, lane) in results[1].rows().iter().zip(other.rows()) {
                 for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
                     apart = apart.max((one - lane).abs());
                 }
             }
         }
     }
-    let [alone, lanes, spread] = best.map(|time| 1e3 * time / cores as f64);
-    let (ratio, all) = (alone / lanes, alone / spread);
-    println!("{name:22} {alone:9.2} {lanes:9.2} {ratio:6.2} {spread:9.2} {all:6.2} {apart:9.1e}");
+    let [plain, alone, lanes, spread] = best.map(|time| 1e3 * time / cores as f64);
+    println!(
+        "{name:22} {plain:9.2} {alone:9.2} {lanes:9.2} {:6.1} {:6.2} {spread:9.2} {:6.2} {apart:9.1e}",
+        plain / lanes,
+        alone / lanes,
+        alone / spread,
+    );
     Ok(())
 }
 
@@ -131,12 +145,34 @@ fn main() -> Result<()> {
         ..conserving.newton
     };
     let conserving = conserving.with_newton(newton);
-    println!("ms for 8 scenes        one by one  in lanes  ratio  all cores  ratio  apart (m)");
-    compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
-    compare("plane, statics", &Cantilever::<2>, loaded)?;
-    compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
-    compare("space, statics", &Cantilever::<3>, loaded)?;
-    compare("plane, arch, statics", &Arch, loaded)?;
-    compare("plane, energy-momentum", &Pendulum::<_, 2>(conserving), rod)?;
-    compare("space, energy-momentum", &Pendulum::<_, 3>(conserving), rod)
+    let widest = Registers::widest();
+    for registers in [Registers::Avx2, widest] {
+        if registers > widest {
+            continue;
+        }
+        registers.limit();
+        println!(
+            "{registers:?}: ms for 8 scenes\n{:22} {:>9} {:>9} {:>9} {:>6} {:>6} {:>9} {:>6} {:>9}",
+            "",
+            "no lanes",
+            "1 by 1",
+            "in lanes",
+            "ratio",
+            "ratio",
+            "all cores",
+            "ratio",
+            "apart (m)"
+        );
+        compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
+        compare("plane, statics", &Cantilever::<2>, loaded)?;
+        compare("plane, arch, statics", &Arch, loaded)?;
+        compare("plane, energy-momentum", &Pendulum::<_, 2>(conserving), rod)?;
+        compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
+        compare("space, statics", &Cantilever::<3>, loaded)?;
+        compare("space, energy-momentum", &Pendulum::<_, 3>(conserving), rod)?;
+        if registers == widest {
+            break;
+        }
+    }
+    Ok(())
 }

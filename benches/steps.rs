@@ -10,6 +10,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use ancf::prelude::*;
+use ancf::scalar::Registers;
 use ancf::solver::{Factor, Matrix};
 use cpu_time::ThreadTime;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -207,12 +208,24 @@ fn factorisation(c: &mut Criterion) {
 }
 
 fn all(c: &mut Criterion) {
-    steps::<3, 8>(c, "pendulum in space, 10 elements");
-    steps::<2, 6>(c, "pendulum in the plane, 10 elements");
+    let widest = Registers::widest();
+    for registers in [Registers::Avx2, widest] {
+        if registers > widest {
+            continue;
+        }
+        registers.limit();
+        let name = |room| format!("pendulum in {room}, 10 elements, {registers:?}");
+        steps::<3, 8>(c, &name("space"));
+        steps::<2, 6>(c, &name("the plane"));
+        let name = |room| format!("static iteration in {room}, {registers:?}, elements");
+        iteration::<3, 8>(c, &name("space"));
+        iteration::<2, 6>(c, &name("the plane"));
+        if registers == widest {
+            break;
+        }
+    }
     sizes::<3, 8>(c, "four steps in space, elements");
     sizes::<2, 6>(c, "four steps in the plane, elements");
-    iteration::<3, 8>(c, "static iteration in space, elements");
-    iteration::<2, 6>(c, "static iteration in the plane, elements");
     factorisation(c);
     #[cfg(feature = "rayon")]
     threads(c);

@@ -35,6 +35,7 @@ pub(crate) use lanes::{Elementwise, Loops, MOST_LANES, elementwise};
 pub use lanes::{LaneWork, Lanes};
 pub use mask::{Mask, together};
 pub use pack::{Laned, Pack};
+pub use registers::Registers;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use x86::prefetch;
 
@@ -352,6 +353,7 @@ macro_rules! plain {
 #[cfg(feature = "double-double")]
 mod double_double;
 mod pack;
+mod registers;
 
 macro_rules! float {
     ($($t:ty, $portable:ty, $run:ident, $wide:ident);*) => {$(
@@ -376,20 +378,21 @@ macro_rules! float {
             #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "crosses the check"))]
             fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
                 #[cfg(target_arch = "x86_64")]
-                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                    // What is not called for is not compiled, either: a question of constants alone.
-                    if W::HEAVY {
-                        // SAFETY: the processor has the instructions.
-                        return unsafe { x86::$run(work) };
+                return match Registers::widest() {
+                    Registers::Baseline => work.run_singly(),
+                    registers => {
+                        // What is not called for is not compiled, either: a question of constants alone.
+                        if W::HEAVY {
+                            // SAFETY: the processor has the instructions.
+                            return unsafe { x86::$run(work) };
+                        }
+                        // SAFETY: the same.
+                        match registers {
+                            Registers::Avx512 => unsafe { x86::$wide(work) },
+                            _ => unsafe { x86::$run(work) },
+                        }
                     }
-                    // SAFETY: the same.
-                    return match is_x86_feature_detected!("avx512f") {
-                        true => unsafe { x86::$wide(work) },
-                        false => unsafe { x86::$run(work) },
-                    };
-                }
-                #[cfg(target_arch = "x86_64")]
-                return work.run_singly();
+                };
                 #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }

@@ -15,7 +15,7 @@ use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 
 use super::lanes::blocks;
 use super::mask::{Mask, parted};
-use super::{Algebra, Field, Jet, LaneWork, Lanes, Real, Scalar, jet};
+use super::{Algebra, Field, Jet, LaneWork, Lanes, Real, Registers, Scalar, jet};
 
 /// `N` numbers that go through a computation together.
 ///
@@ -521,16 +521,13 @@ macro_rules! packs {
             #[inline]
             #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "crosses the check"))]
             fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
+                // SAFETY, twice: the processor has the instructions.
                 #[cfg(target_arch = "x86_64")]
-                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                    // SAFETY: the processor has the instructions.
-                    return match is_x86_feature_detected!("avx512f") {
-                        true => unsafe { super::x86::$wide(work) },
-                        false => unsafe { super::x86::$narrow(work) },
-                    };
-                }
-                #[cfg(target_arch = "x86_64")]
-                return work.run_singly();
+                return match Registers::widest() {
+                    Registers::Baseline => work.run_singly(),
+                    Registers::Avx2 => unsafe { super::x86::$narrow(work) },
+                    Registers::Avx512 => unsafe { super::x86::$wide(work) },
+                };
                 #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }

@@ -89,11 +89,18 @@ pub(super) fn add_one<R: Real, L: Lanes<R>, const P: usize>(
     for p in 0..P {
         sum = sum.plus_product(L::lift(pivots[p]), factors[p]);
     }
+    *entry = first(sum);
+}
+
+/// The number in the first lane.
+#[inline(always)]
+pub(super) fn first<R: Real, L: Lanes<R>>(lanes: L) -> R {
     if L::WIDTH == 1 {
-        sum.store(std::slice::from_mut(entry));
-        return;
+        let mut number = [R::zero()];
+        lanes.store(&mut number);
+        return number[0];
     }
-    let mut lanes = [R::zero(); SUMS];
-    sum.store(&mut lanes);
-    *entry = lanes[0];
+    let mut numbers = [R::zero(); SUMS];
+    lanes.store(&mut numbers);
+    numbers[0]
 }

@@ -2,11 +2,11 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
-use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut, products};
+use super::blocks::{SUMS, add_one, first, first_blocks, first_blocks_mut, products};
 use super::matrix::{column_starts, overrun};
 use super::{BandMatrix, Profile, ahead};
 use crate::error::{Error, Result};
-use crate::scalar::{LaneWork, Lanes, Mask, Real};
+use crate::scalar::{Field, LaneWork, Lanes, Mask, Real};
 use crate::solver::Tape;
 
 /// Pivots eliminated together.
@@ -52,9 +52,64 @@ pub(super) struct Ldlt<R> {
 }
 
 /// The triangle of some pivots, before and after division by them.
-struct Pivots<R, const P: usize> {
-    before: [[R; P]; P],
-    after: [[R; P]; P],
+struct Pivots<T, const P: usize> {
+    before: [[T; P]; P],
+    after: [[T; P]; P],
+    inverse: [T; P],
+}
+
+impl<T: Field, const P: usize> Pivots<T, P> {
+    /// Of the entries of a matrix. No branches: it must stay in registers.
+    #[inline(always)]
+    fn eliminated(mut before: [[T; P]; P]) -> Self {
+        let (mut after, mut inverse) = ([[T::zero(); P]; P], [T::zero(); P]);
+        for p in 0..P {
+            inverse[p] = T::one() / before[p][p];
+            for i in p + 1..P {
+                after[p][i] = before[p][i] * inverse[p];
+            }
+            for k in p + 1..P {
+                for i in k..P {
+                    before[k][i] -= after[p][i] * before[p][k];
+                }
+            }
+        }
+        Self {
+            before,
+            after,
+            inverse,
+        }
+    }
+}
+
+impl<R: Real, const P: usize> Pivots<R, P> {
+    /// Of the entries of a matrix, which are packs where lanes have one place: these in their registers.
+    #[inline(always)]
+    fn of<L: Lanes<R>>(entries: [[R; P]; P]) -> Self {
+        if L::WIDTH > 1 {
+            return Self::eliminated(entries);
+        }
+        let mut before = [[L::zero(); P]; P];
+        for p in 0..P {
+            for i in p..P {
+                before[p][i] = L::lift(entries[p][i]);
+            }
+        }
+        let pivots = Pivots::eliminated(before);
+        let mut all = Self {
+            before: entries,
+            after: entries,
+            inverse: [R::zero(); P],
+        };
+        for p in 0..P {
+            all.inverse[p] = first(pivots.inverse[p]);
+            for i in p..P {
+                all.before[p][i] = first(pivots.before[p][i]);
+                all.after[p][i] = first(pivots.after[p][i]);
+            }
+        }
+        all
+    }
 }
 
 /// How many unknowns of equal `reach` go together with each one.
@@ -212,7 +267,7 @@ impl<R: Real> Ldlt<R> {
     fn watch<const P: usize>(
         &mut self,
         j: usize,
-        Pivots { before, after }: Pivots<R, P>,
+        [before, after]: [[[R; P]; P]; 2],
         matrix: Option<&BandMatrix<R>>,
         definite: bool,
     ) -> Result<bool> {
@@ -348,26 +403,16 @@ impl<R: Real> Ldlt<R> {
         definite: bool,
     ) -> Result<bool> {
         let room = self.room;
-        // The triangle of the pivots themselves, before and after division by them. No branches:
-        // it must stay in registers.
         let mut before = [[R::zero(); P]; P];
-        let mut after = [[R::zero(); P]; P];
-        let mut inverse = [R::zero(); P];
         for p in 0..P {
             let column = &self.columns[self.starts[j + p]..][..P - p];
             before[p][p..].copy_from_slice(column);
         }
-        for p in 0..P {
-            inverse[p] = R::one() / before[p][p];
-            for i in p + 1..P {
-                after[p][i] = before[p][i] * inverse[p];
-            }
-            for k in p + 1..P {
-                for i in k..P {
-                    before[k][i] -= after[p][i] * before[p][k];
-                }
-            }
-        }
+        let Pivots {
+            before,
+            after,
+            inverse,
+        } = Pivots::of::<L>(before);
         // The least of what the pivots are above nothing and above rounding, and what tells whether all
         // of them are numbers.
         let (mut least, mut sum) = (before[0][0], R::zero());
@@ -378,8 +423,8 @@ impl<R: Real> Ldlt<R> {
             sum += pivot;
         }
         if !(definite && sum.finite() && !least.at_most(R::zero()).any()) {
-            let pivots = Pivots { before, after };
-            if !self.watch(j, pivots, matrix, definite)? {
+            let triangles = [before, after];
+            if !self.watch(j, triangles, matrix, definite)? {
                 return Ok(false);
             }
         }
