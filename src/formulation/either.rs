@@ -55,13 +55,8 @@ where
     }
 
     #[inline(always)]
-    fn upper_tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        of_either!(self.upper_tangent(u, q, k));
+    fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
+        of_either!(self.upper_tangent(u, k));
     }
 
     fn has_strain(&self) -> bool {

@@ -473,6 +473,29 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         (square.entries, vectors)
     }
 
+    /// Overwrites the upper blocks of the tangent.
+    #[inline(always)]
+    fn upper_of<T: Algebra<R>>(
+        &self,
+        stress: &[[T; S]; S],
+        v: &[[T; D]; S],
+        k: &mut Tangent<T, D, S>,
+    ) {
+        for block in &self.terms.blocks {
+            let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
+            let mut sum = [[T::zero(); D]; D];
+            for c in 0..D {
+                sum[c][c] = stress[i][j];
+            }
+            let terms = &self.terms;
+            terms.add_dyads(&self.form, block, (v, v), &mut sum);
+            for c in 0..D {
+                k[i][c][j] = sum[c];
+            }
+        }
+        self.vectors.basis.change_upper(k);
+    }
+
     /// Adds the force on nodal vectors.
     #[inline(always)]
     fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
@@ -530,37 +553,21 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
+        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
+        self.strain(u, &mut square, &mut v);
+        self.add_force(&square.entries, &v, q);
         mirrored(
             k,
             #[inline(always)]
-            |upper| self.upper_tangent(u, q, upper),
+            |upper| self.upper_of(&square.entries, &v, upper),
         );
     }
 
     #[inline(always)]
-    fn upper_tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
+    fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
         let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
         self.strain(u, &mut square, &mut v);
-        let stress = &square.entries;
-        for block in &self.terms.blocks {
-            let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
-            let mut sum = [[T::zero(); D]; D];
-            for c in 0..D {
-                sum[c][c] = stress[i][j];
-            }
-            let terms = &self.terms;
-            terms.add_dyads(&self.form, block, (&v, &v), &mut sum);
-            for c in 0..D {
-                k[i][c][j] = sum[c];
-            }
-        }
-        self.add_force(stress, &v, q);
-        self.vectors.basis.change_upper(k);
+        self.upper_of(&square.entries, &v, k);
     }
 
     fn has_strain(&self) -> bool {

@@ -230,17 +230,12 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
         }
     }
 
-    /// The same, but the tangent overwrites the blocks `k[i][..][j]` with `i <= j`; what becomes of the
+    /// The tangent alone, which overwrites the blocks `k[i][..][j]` with `i <= j`; what becomes of the
     /// others does not matter. This is what assembly asks for; by default all of the tangent.
     #[inline(always)]
-    fn upper_tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
+    fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
         *k = [[[[T::zero(); D]; S]; D]; S];
-        self.tangent(u, q, k);
+        self.tangent(u, &mut [[T::zero(); D]; S], k);
     }
 
     /// Whether [`secant`](Self::secant) is made of strains that rotations do not change, so that

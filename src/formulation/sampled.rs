@@ -296,6 +296,52 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> Default
     }
 }
 
+impl<R, L, const D: usize, const S: usize, const K: usize> SampledKernel<R, L, D, S, K>
+where
+    R: Real,
+    L: SectionLaw<R, D, K>,
+{
+    /// Overwrites the upper blocks of the tangent, and adds the force where it is asked for.
+    #[inline(always)]
+    fn upper_of<T: Algebra<R>>(
+        &self,
+        u: &[[T; D]; S],
+        mut q: Option<&mut [[T; D]; S]>,
+        k: &mut Tangent<T, D, S>,
+    ) {
+        T::outlined(
+            #[inline(always)]
+            || {
+                let mut v = *u;
+                self.positions.make_relative(&mut v);
+                let mut f = [[T::zero(); D]; S];
+                for i in 0..S {
+                    for row in &mut k[i] {
+                        row[i..].fill([T::zero(); D]);
+                    }
+                }
+                let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
+                for (law, batches) in &self.parts {
+                    for batch in batches {
+                        for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
+                            let h = station.sample(&v);
+                            let n = law.stiffness(&station.reference, &h, stiffness);
+                            if q.is_some() {
+                                station.scatter_force(&n, &mut f);
+                            }
+                        }
+                        batch.scatter_stiffness(&stiffness, k);
+                    }
+                }
+                if let Some(q) = &mut q {
+                    self.positions.add_force(&f, q);
+                }
+                self.positions.finish_upper(k);
+            },
+        );
+    }
+}
+
 impl<R, L, const D: usize, const S: usize, const K: usize> ElementKernel<R, D, S>
     for SampledKernel<R, L, D, S, K>
 where
@@ -360,43 +406,13 @@ where
         mirrored(
             k,
             #[inline(always)]
-            |upper| self.upper_tangent(u, q, upper),
+            |upper| self.upper_of(u, Some(q), upper),
         );
     }
 
     #[inline(always)]
-    fn upper_tangent<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        q: &mut [[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        T::outlined(
-            #[inline(always)]
-            || {
-                let mut v = *u;
-                self.positions.make_relative(&mut v);
-                let mut f = [[T::zero(); D]; S];
-                for i in 0..S {
-                    for row in &mut k[i] {
-                        row[i..].fill([T::zero(); D]);
-                    }
-                }
-                let mut stiffness = [[[[[T::zero(); D]; D]; K]; K]; BATCH];
-                for (law, batches) in &self.parts {
-                    for batch in batches {
-                        for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
-                            let h = station.sample(&v);
-                            let n = law.stiffness(&station.reference, &h, stiffness);
-                            station.scatter_force(&n, &mut f);
-                        }
-                        batch.scatter_stiffness(&stiffness, k);
-                    }
-                }
-                self.positions.add_force(&f, q);
-                self.positions.finish_upper(k);
-            },
-        );
+    fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
+        self.upper_of(u, None, k);
     }
 
     fn has_strain(&self) -> bool {

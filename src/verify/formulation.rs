@@ -233,7 +233,7 @@ where
         let zero: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
         let (mut whole, mut upper, mut q) = (zero, zero, [[0.0; D]; S]);
         kernel.tangent(u, &mut q, &mut whole);
-        kernel.upper_tangent(u, &mut q, &mut upper);
+        kernel.upper_tangent(u, &mut upper);
         mirror(&mut upper);
         let (whole, upper) = (flat(&whole), flat(&upper));
         let error = nan((&whole - &upper).amax() / whole.amax(), &upper);

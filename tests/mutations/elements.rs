@@ -320,14 +320,9 @@ impl ElementKernel<f64, 2, 6> for CarelessKernel {
         }
     }
 
-    fn upper_tangent<T: Algebra<f64>>(
-        &self,
-        u: &[[T; 2]; 6],
-        q: &mut [[T; 2]; 6],
-        k: &mut Tangent<T, 2, 6>,
-    ) {
+    fn upper_tangent<T: Algebra<f64>>(&self, u: &[[T; 2]; 6], k: &mut Tangent<T, 2, 6>) {
         *k = [[[[T::zero(); 2]; 6]; 2]; 6];
-        self.tangent(u, q, k);
+        self.tangent(u, &mut [[T::zero(); 2]; 6], k);
         if self.0 == Careless::Upper {
             k[0][0][1][1] += T::lit(1.0);
         }

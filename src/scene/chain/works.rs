@@ -122,8 +122,7 @@ task!(Stiffness, Sink, true, |self, kernels, elements, k| {
         [self.u],
         #[inline(always)]
         |elements, link, [u]| {
-            let mut force = [[L::zero(); D]; S];
-            of(kernels, elements.start).upper_tangent(u, &mut force, &mut tangent);
+            of(kernels, elements.start).upper_tangent(u, &mut tangent);
             if let Some(share) = self.mass {
                 let upper = link.masses.iter().filter(|entry| entry.row <= entry.column);
                 for Coupling { row, column, mass } in upper {
