@@ -1,7 +1,7 @@
 //! Throughput of the rows of a sweep in lanes against the same rows one after the other, on one
 //! thread, and in lanes on all cores: by turns in one run, as many times 8 scenes of 10 elements as
-//! there are cores, assembly included. What runs one by one has its elements in lanes; without any is
-//! the same in baseline code. First in AVX2, then in the widest registers. `cargo bench --bench ensembles`
+//! there are cores, assembly included. What runs one by one has its elements in lanes (column 2); the same
+//! in baseline code has none (column 1). In all registers but these. `cargo bench --bench ensembles`
 
 use std::time::Instant;
 
@@ -110,14 +110,16 @@ fn compare<const P: usize>(
     for _ in 0..7 {
         let mut results = Vec::new();
         for ((sweep, registers), best) in turns.into_iter().zip(&mut best) {
-            registers.limit();
+            Registers::limit(registers);
             let start = Instant::now();
             results.push(sweep.run(experiment));
             *best = best.min(start.elapsed().as_secs_f64());
         }
-        // Baseline code rounds otherwise.
-        for other in &results[2..] {
-            for (one, lane) in results[1].rows().iter().zip(other.rows()) {
+        let [_, alone, in_lanes @ ..] = &results[..] else {
+            continue;
+        };
+        for other in in_lanes {
+            for (one, lane) in alone.rows().iter().zip(other.rows()) {
                 for (one, lane) in one.outputs.clone()?.iter().zip(lane.outputs.clone()?) {
                     apart = apart.max((one - lane).abs());
                 }
@@ -126,7 +128,7 @@ fn compare<const P: usize>(
     }
     let [plain, alone, lanes, spread] = best.map(|time| 1e3 * time / cores as f64);
     println!(
-        "{name:22} {plain:9.2} {alone:9.2} {lanes:9.2} {:6.1} {:6.2} {spread:9.2} {:6.2} {apart:9.1e}",
+        "{name:22} {plain:8.2} {alone:8.2} {lanes:8.2} {:6.1} {:6.2} {spread:9.2} {:6.2} {apart:9.1e}",
         plain / lanes,
         alone / lanes,
         alone / spread,
@@ -145,22 +147,20 @@ fn main() -> Result<()> {
         ..conserving.newton
     };
     let conserving = conserving.with_newton(newton);
-    let widest = Registers::widest();
-    for registers in [Registers::Avx2, widest] {
-        if registers > widest {
-            continue;
-        }
-        registers.limit();
+    let all: Vec<_> = Registers::available().collect();
+    for registers in &all[all.len().min(2) - 1..] {
+        Registers::limit(*registers);
+        println!("{registers:?}, ms for 8 scenes");
         println!(
-            "{registers:?}: ms for 8 scenes\n{:22} {:>9} {:>9} {:>9} {:>6} {:>6} {:>9} {:>6} {:>9}",
+            "{:22} {:>8} {:>8} {:>8} {:>6} {:>6} {:>9} {:>6} {:>9}",
             "",
             "no lanes",
-            "1 by 1",
-            "in lanes",
-            "ratio",
-            "ratio",
+            "elements",
+            "scenes",
+            "over 1",
+            "over 2",
             "all cores",
-            "ratio",
+            "over 2",
             "apart (m)"
         );
         compare("plane, Newmark", &Pendulum::<_, 2>(newmark), rod)?;
@@ -170,9 +170,6 @@ fn main() -> Result<()> {
         compare("space, Newmark", &Pendulum::<_, 3>(newmark), rod)?;
         compare("space, statics", &Cantilever::<3>, loaded)?;
         compare("space, energy-momentum", &Pendulum::<_, 3>(conserving), rod)?;
-        if registers == widest {
-            break;
-        }
     }
     Ok(())
 }

@@ -209,7 +209,7 @@ where
     let mut k: Tangent<Counted, D, S> = [[[[Counted(0.0); D]; S]; D]; S];
     COUNT.set(Count::default());
     match tangent {
-        true => kernel.tangent(&u, &mut q, &mut k),
+        true => kernel.upper_tangent(&u, &mut k),
         false => kernel.force(&u, &mut q),
     }
     COUNT.get()
@@ -226,11 +226,7 @@ where
     let (group, width) = best(|times| f64::dispatch(timed(times)));
     let lanes = group / width as f64;
     let flops = count.flops() as f64;
-    let what = if TANGENT {
-        "force and tangent"
-    } else {
-        "force"
-    };
+    let what = if TANGENT { "tangent" } else { "force" };
     println!(
         "| {name}: {what} | {flops} | {:.0} % | {} | {alone:.0} | {lanes:.1} | {:.1} | {:.0} % |",
         200.0 * count.fused as f64 / flops,

@@ -29,7 +29,7 @@ fn axes<R: Real, const D: usize>() -> [[R; D]; D] {
     std::array::from_fn(|a| std::array::from_fn(|c| if a == c { R::one() } else { R::zero() }))
 }
 
-/// One kernel, with or without the tangent, alone.
+/// One kernel, force or tangent, alone.
 fn alone<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
@@ -48,7 +48,7 @@ fn alone<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     });
 }
 
-/// One kernel, with or without the tangent, in the lanes of AVX2 (`HEAVY`) or of the widest registers.
+/// One kernel, force or tangent, in the lanes of AVX2 (`HEAVY`) or of the widest registers.
 fn lanes<R, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     what: &str,
@@ -67,7 +67,7 @@ where
     width
 }
 
-/// One kernel, with or without the tangent: alone, and in lanes as chains have it, forces in those of
+/// One kernel, force or tangent: alone, and in lanes as chains have it, forces in those of
 /// AVX2, too.
 fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
@@ -76,11 +76,7 @@ fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     R: Real,
     Kn: ElementKernel<R, D, S>,
 {
-    let what = if TANGENT {
-        "force and tangent"
-    } else {
-        "force"
-    };
+    let what = if TANGENT { "tangent" } else { "force" };
     alone::<R, _, TANGENT, D, S>(group, &format!("{what}/alone"), kernel);
     let width = lanes::<R, _, TANGENT, true, D, S>(group, what, kernel);
     let widest = R::dispatch(Timed::<_, TANGENT, TANGENT, D, S> { kernel, times: 1 }).0;
@@ -133,7 +129,7 @@ fn formulation<R, E, F, const D: usize, const S: usize>(
     group.bench_function(BenchmarkId::new("force", "chain of 64"), |b| {
         b.iter(|| system.add_internal(black_box(&u), &mut q));
     });
-    group.bench_function(BenchmarkId::new("force and tangent", "chain of 64"), |b| {
+    group.bench_function(BenchmarkId::new("tangent", "chain of 64"), |b| {
         b.iter(|| {
             system
                 .add_tangent(R::zero(), R::one(), black_box(&u), &mut k)
@@ -178,8 +174,8 @@ fn co_moving<R: Real>(c: &mut Criterion, name: &str) {
     let mut group = c.benchmark_group(name);
     alone::<R, _, false, 3, 8>(&mut group, "force, plain", &plain);
     alone::<R, _, false, 3, 8>(&mut group, "force, co-moving", &moving);
-    alone::<R, _, true, 3, 8>(&mut group, "force and tangent, plain", &plain);
-    alone::<R, _, true, 3, 8>(&mut group, "force and tangent, co-moving", &moving);
+    alone::<R, _, true, 3, 8>(&mut group, "tangent, plain", &plain);
+    alone::<R, _, true, 3, 8>(&mut group, "tangent, co-moving", &moving);
     group.finish();
 }
 

@@ -1,6 +1,6 @@
 //! Time of steps and iterations: `cargo bench --bench steps`. The paper's pendulum per step, steps of
-//! pendulums of 4 to 65 536 elements, a static Newton iteration and the factorisation in it. Processor
-//! time of the thread and not of the clock: such runs are long enough for others to have their turns in.
+//! pendulums of 4 to 65 536 elements, a static Newton iteration and the factorisation in it; pendulum and
+//! iteration in narrower registers, too. Processor time of the thread and not of the clock: such runs are long enough for others to have their turns in.
 #![allow(
     missing_docs,
     reason = "criterion's macros define items without documentation"
@@ -208,21 +208,14 @@ fn factorisation(c: &mut Criterion) {
 }
 
 fn all(c: &mut Criterion) {
-    let widest = Registers::widest();
-    for registers in [Registers::Avx2, widest] {
-        if registers > widest {
-            continue;
-        }
-        registers.limit();
+    for registers in Registers::available() {
+        Registers::limit(registers);
         let name = |room| format!("pendulum in {room}, 10 elements, {registers:?}");
         steps::<3, 8>(c, &name("space"));
         steps::<2, 6>(c, &name("the plane"));
         let name = |room| format!("static iteration in {room}, {registers:?}, elements");
         iteration::<3, 8>(c, &name("space"));
         iteration::<2, 6>(c, &name("the plane"));
-        if registers == widest {
-            break;
-        }
     }
     sizes::<3, 8>(c, "four steps in space, elements");
     sizes::<2, 6>(c, "four steps in the plane, elements");

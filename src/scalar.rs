@@ -243,8 +243,8 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     fn where_else(self, mask: Mask, other: Self) -> Self {
         if mask.all() { self } else { other }
     }
-    /// Runs `work` in the lanes of this type that suit the processor best; in the type itself
-    /// where there are none.
+    /// Runs `work` in the lanes of this type that suit the processor best, within the limit of
+    /// [`Registers`]; in the type itself where there are none.
     #[inline]
     fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
         work.run_singly()
@@ -380,16 +380,14 @@ macro_rules! float {
                 #[cfg(target_arch = "x86_64")]
                 return match Registers::widest() {
                     Registers::Baseline => work.run_singly(),
-                    registers => {
+                    // SAFETY, here and below: the processor has the instructions.
+                    Registers::Avx2 => unsafe { x86::$run(work) },
+                    Registers::Avx512 => {
                         // What is not called for is not compiled, either: a question of constants alone.
                         if W::HEAVY {
-                            // SAFETY: the processor has the instructions.
-                            return unsafe { x86::$run(work) };
-                        }
-                        // SAFETY: the same.
-                        match registers {
-                            Registers::Avx512 => unsafe { x86::$wide(work) },
-                            _ => unsafe { x86::$run(work) },
+                            unsafe { x86::$run(work) }
+                        } else {
+                            unsafe { x86::$wide(work) }
                         }
                     }
                 };

@@ -11,8 +11,9 @@ pub fn bent<R, T: Algebra<R>, const D: usize, const S: usize>() -> [[T; D]; S] {
     std::array::from_fn(|i| std::array::from_fn(|c| T::lit(1e-2 * ((3 * i + c + 1) as f64).sin())))
 }
 
-/// Evaluates a group of elements, one in each lane, a number of times, with or without the
-/// `TANGENT`; says how many and how long. `HEAVY` work keeps to AVX2; of chains, tangents are.
+/// Evaluates the force of a group of elements, one in each lane, or as assembly asks for it their
+/// `TANGENT`, a number of times; says how many and how long. `HEAVY` work keeps to AVX2; of chains,
+/// tangents are.
 pub struct Timed<'a, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize> {
     /// The kernel.
     pub kernel: &'a Kn,
@@ -38,7 +39,7 @@ where
         for _ in 0..self.times {
             let mut q = [[L::zero(); D]; S];
             if TANGENT {
-                self.kernel.tangent(black_box(&u), &mut q, &mut k);
+                self.kernel.upper_tangent(black_box(&u), &mut k);
             } else {
                 self.kernel.force(black_box(&u), &mut q);
             }

@@ -82,18 +82,13 @@ pub struct GramKernel<R, P, const D: usize, const S: usize> {
     terms: Terms,
 }
 
-/// The quadratic form while parts are added to it: between two pairs `i <= j` of nodal vectors, of which
-/// the first is not behind the second, at `[first][second]` of the numbers [`pair`] gives them.
+/// The quadratic form while parts are added to it: between the pairs `i <= j` of nodal vectors, numbered
+/// row by row, those `[p][q]` with `p <= q`, for the form is symmetric.
 pub(super) struct Form<R, const D: usize, const S: usize>(Vec<R>);
 
 /// How many pairs `i <= j` of vectors there are.
 const fn pairs(vectors: usize) -> usize {
     vectors * (vectors + 1) / 2
-}
-
-/// The number of the pair `i <= j` of vectors, row by row.
-const fn pair(i: usize, j: usize) -> usize {
-    j * (j + 1) / 2 + i
 }
 
 impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
@@ -113,7 +108,7 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         points: &[([R; D], R)],
     ) {
         let basis = Basis::of::<E, D, S>(reference.length);
-        let mut strains = vec![Vec::with_capacity(pairs(S)); D * D];
+        let mut strain = Vec::with_capacity(pairs(S));
         for ([xi], along) in axial.iter() {
             let mut axis = [R::zero(); D];
             axis[0] = xi;
@@ -137,57 +132,44 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                         array(|i| (0..D).fold(R::zero(), |s, k| s + map[a][k] * columns[k][i]))
                     });
                 }
-                self.add_point(moduli, &columns, weight, &mut strains);
+                self.add_point(moduli, &columns, weight, &mut strain);
             }
         }
     }
 
-    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`. `strains` is room.
+    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`. `strain` is room.
     fn add_point(
         &mut self,
         moduli: &Moduli<R, D>,
         columns: &[[R; S]; D],
         weight: R,
-        strains: &mut [Vec<(usize, R)>],
+        strain: &mut Vec<(usize, R)>,
     ) {
-        for (of, strain) in strains.iter_mut().enumerate() {
-            let (a, b) = (of / D, of % D);
+        let all = || (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).enumerate();
+        for (a, b) in (0..D).flat_map(|a| (a..D).map(move |b| (a, b))) {
             strain.clear();
-            for j in 0..S {
-                for i in 0..=j {
-                    let value = strain_of(columns, [a, b], i, j);
-                    if a <= b && !value.is_nothing() {
-                        strain.push((pair(i, j), value));
-                    }
+            for (q, (i, j)) in all() {
+                let value = strain_of(columns, [a, b], i, j);
+                if !value.is_nothing() {
+                    strain.push((q, value));
                 }
             }
-        }
-        for a in 0..D {
-            for b in 0..D {
-                self.add_products(
-                    weight * moduli.normal[a][b],
-                    &strains[a * D + a],
-                    &strains[b * D + b],
-                );
-                if a < b {
-                    let strain = &strains[a * D + b];
-                    self.add_products(weight * moduli.shear[a][b], strain, strain);
+            for (p, (i, j)) in all() {
+                let stress = weight
+                    * match a == b {
+                        true => (0..D).fold(R::zero(), |s, c| {
+                            s + moduli.normal[a][c] * strain_of(columns, [c, c], i, j)
+                        }),
+                        false => moduli.shear[a][b] * strain_of(columns, [a, b], i, j),
+                    };
+                if stress.is_nothing() {
+                    continue;
                 }
-            }
-        }
-    }
-
-    /// Adds the product of two strains, of which each holds the pairs in order.
-    fn add_products(&mut self, modulus: R, left: &[(usize, R)], right: &[(usize, R)]) {
-        if modulus.is_nothing() {
-            return;
-        }
-        for (p, strain) in left {
-            let stress = modulus * *strain;
-            let form = &mut self.0[p * pairs(S)..][..pairs(S)];
-            let behind = right.partition_point(|(q, _)| q < p);
-            for (q, strain) in &right[behind..] {
-                form[*q] += stress * *strain;
+                let form = &mut self.0[p * pairs(S)..][..pairs(S)];
+                let from = strain.partition_point(|(q, _)| *q < p);
+                for (q, strain) in &strain[from..] {
+                    form[*q] += stress * *strain;
+                }
             }
         }
     }
@@ -198,7 +180,6 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
         let raw = |p: usize, q: usize| {
             // One triangle, so that the form is symmetric to the last digit.
-            let [p, q] = [all[p], all[q]].map(|(i, j)| pair(i, j));
             self.0[p.min(q) * pairs(S) + p.max(q)]
         };
         let entry = |p: usize, q: usize| {

@@ -301,14 +301,9 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    /// Overwrites the upper blocks of the tangent, and adds the force where it is asked for.
+    /// Overwrites the upper blocks of the tangent; the force, relative to the first position.
     #[inline(always)]
-    fn upper_of<T: Algebra<R>>(
-        &self,
-        u: &[[T; D]; S],
-        mut q: Option<&mut [[T; D]; S]>,
-        k: &mut Tangent<T, D, S>,
-    ) {
+    fn upper_of<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) -> [[T; D]; S] {
         T::outlined(
             #[inline(always)]
             || {
@@ -326,19 +321,15 @@ where
                         for (station, stiffness) in batch.stations.iter().zip(&mut stiffness) {
                             let h = station.sample(&v);
                             let n = law.stiffness(&station.reference, &h, stiffness);
-                            if q.is_some() {
-                                station.scatter_force(&n, &mut f);
-                            }
+                            station.scatter_force(&n, &mut f);
                         }
                         batch.scatter_stiffness(&stiffness, k);
                     }
                 }
-                if let Some(q) = &mut q {
-                    self.positions.add_force(&f, q);
-                }
                 self.positions.finish_upper(k);
+                f
             },
-        );
+        )
     }
 }
 
@@ -406,13 +397,16 @@ where
         mirrored(
             k,
             #[inline(always)]
-            |upper| self.upper_of(u, Some(q), upper),
+            |upper| {
+                let force = self.upper_of(u, upper);
+                self.positions.add_force(&force, q);
+            },
         );
     }
 
     #[inline(always)]
     fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
-        self.upper_of(u, None, k);
+        self.upper_of(u, k);
     }
 
     fn has_strain(&self) -> bool {

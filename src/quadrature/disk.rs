@@ -155,9 +155,10 @@ fn spread<R: Real>(
     points: &mut Vec<[R; 2]>,
     weights: &mut Vec<R>,
 ) {
-    // As nodes of every order: what depends on nothing is computed once, in pairs of doubles.
-    static KNOWN: [OnceLock<Vec<[Twofold<f64>; 2]>>; 4 * MAX_ORDER + 2] =
-        [const { OnceLock::new() }; 4 * MAX_ORDER + 2];
+    // As nodes of every order: what depends on nothing is computed once, in pairs of doubles. Rules of the
+    // highest order have twice as many rays, and each number of rays two phases.
+    const ALL: usize = 2 * (2 * MAX_ORDER + 1);
+    static KNOWN: [OnceLock<Vec<[Twofold<f64>; 2]>>; ALL] = [const { OnceLock::new() }; ALL];
     let directions = KNOWN[2 * rays + phase].get_or_init(|| {
         let all = (0..rays).map(|k| direction(2 * k + phase, 2 * rays));
         all.collect()
@@ -198,7 +199,7 @@ mod tests {
 
     #[test]
     fn rules_have_the_number_of_points_of_the_paper() {
-        for s in 1..=12 {
+        for s in (1..=12).chain([MAX_ORDER - 1, MAX_ORDER]) {
             let points = if s % 2 == 0 { s * s } else { s * s - s + 1 };
             assert_eq!(disk_order::<f64>(s).unwrap().len(), points);
         }

@@ -1,6 +1,6 @@
 //! Lanes: several numbers of a real type that go through a kernel together, one element in each.
-//! [`Real::dispatch`](super::Real::dispatch) picks the widest registers that the processor at hand
-//! has, once per chain of elements and not per operation; simba's wide types are the lanes of other
+//! [`Real::dispatch`](super::Real::dispatch) picks the widest [`Registers`](super::Registers) that
+//! the processor at hand has, once per chain of elements and not per operation; simba's wide types are the lanes of other
 //! architectures, and a real number is a lane of its own.
 
 use num_traits::{One, Zero};
@@ -56,7 +56,7 @@ pub trait Lanes<R>: Algebra<R> {
     fn scatter(columns: &[Self], x: &mut [R], starts: impl Fn(usize) -> Option<usize>);
 }
 
-/// Work that [`Real::dispatch`] runs in the widest lanes there are.
+/// Work that [`Real::dispatch`] runs in the lanes of the [`Registers`](super::Registers) that suit it.
 pub trait LaneWork<R> {
     /// What comes out.
     type Output;
@@ -294,7 +294,8 @@ macro_rules! by_array {
         }
         #[inline(always)]
         fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
-            for (b, block) in columns.chunks($width).enumerate() {
+            // From behind, as on x86-64.
+            for (b, block) in columns.chunks($width).enumerate().rev() {
                 let mut values = [[0.0; $width]; $width];
                 for (values, column) in values.iter_mut().zip(block) {
                     column.store(values);

@@ -1,19 +1,22 @@
 //! Which registers work in lanes is done in: the widest that the processor has, found while running, so
-//! that one build serves every processor. Fewer can be asked for, to measure and to test what older
+//! that one build serves every processor. They can be limited, to measure and to test what older
 //! processors do.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Registers that a processor has lanes in, by their width.
+/// Registers of x86-64 that numbers are worked on in, with the instructions that come with them.
+///
+/// On other architectures there is one kind, which counts as [`Baseline`](Self::Baseline): the registers
+/// that a build is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Registers {
-    /// What every processor of the architecture has. On x86-64 one number at a time is worked on, without
-    /// fused multiply-add.
+    /// What every processor has: one number at a time, without fused multiply-add.
     Baseline,
     /// AVX2 with fused multiply-add, those of x86-64-v3: four lanes of `f64`, eight of `f32`.
     Avx2,
-    /// AVX-512: twice as many.
+    /// AVX-512: twice as many. Work on far more numbers than registers hold, tangents and factorisation,
+    /// gains nothing by them and keeps to AVX2, but for packs.
     Avx512,
 }
 
@@ -22,11 +25,6 @@ static LIMIT: AtomicU8 = AtomicU8::new(Registers::Avx512 as u8);
 
 impl Registers {
     /// The widest registers of this processor within the [limit](Self::limit).
-    ///
-    /// ```
-    /// use ancf::scalar::Registers;
-    /// println!("lanes are those of {:?}", Registers::widest());
-    /// ```
     #[inline]
     #[must_use]
     pub fn widest() -> Self {
@@ -43,10 +41,26 @@ impl Registers {
         Self::Baseline
     }
 
-    /// Has this process use no wider registers than these from now on, wherever it computes. Results of
-    /// [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512) are the same to the last bit; those of
-    /// [`Baseline`](Self::Baseline) differ by rounding, for it has no fused multiply-add.
-    pub fn limit(self) {
-        LIMIT.store(self as u8, Ordering::Relaxed);
+    /// All that may be used, from the narrowest to the [widest](Self::widest).
+    ///
+    /// ```
+    /// use ancf::scalar::Registers;
+    ///
+    /// for registers in Registers::available() {
+    ///     Registers::limit(registers);
+    ///     assert_eq!(Registers::widest(), registers);
+    /// }
+    /// ```
+    pub fn available() -> impl Iterator<Item = Self> {
+        let widest = Self::widest();
+        let all = [Self::Baseline, Self::Avx2, Self::Avx512];
+        all.into_iter().filter(move |one| *one <= widest)
+    }
+
+    /// Has this process use none wider from now on, on all its threads: set it between runs, not in one.
+    /// Results of [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512) are the same to the last bit; those of
+    /// [`Baseline`](Self::Baseline) differ by rounding, for nothing is fused there.
+    pub fn limit(widest: Self) {
+        LIMIT.store(widest as u8, Ordering::Relaxed);
     }
 }

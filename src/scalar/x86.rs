@@ -238,8 +238,18 @@ macro_rules! register {
                 for (lane, row) in rows.iter_mut().enumerate() {
                     *row = starts(lane);
                 }
+                // From behind, for elements share their end nodes: of two that meet the first adds first, as
+                // where they come one by one.
                 let (whole, rest) = columns.as_chunks::<TILE>();
-                for (b, block) in whole.iter().enumerate() {
+                for (j, column) in rest.iter().enumerate() {
+                    let values = column.to_array();
+                    for lane in 0..$width {
+                        if let Some(start) = rows[lane] {
+                            x[start + TILE * whole.len() + j] += values[lane];
+                        }
+                    }
+                }
+                for (b, block) in whole.iter().enumerate().rev() {
                     let mut values = [[0.0; $width]; TILE];
                     for j in 0..TILE {
                         block[j].store(&mut values[j]);
@@ -253,16 +263,10 @@ macro_rules! register {
                         for lane in 0..TILE {
                             if let Some(start) = rows[first + lane] {
                                 let row = &mut x[start + TILE * b..][..TILE];
-                                (0..TILE).for_each(|j| row[j] += tile[lane][j]);
+                                for j in 0..TILE {
+                                    row[j] += tile[lane][j];
+                                }
                             }
-                        }
-                    }
-                }
-                for (j, column) in rest.iter().enumerate() {
-                    let values = column.to_array();
-                    for lane in 0..$width {
-                        if let Some(start) = rows[lane] {
-                            x[start + TILE * whole.len() + j] += values[lane];
                         }
                     }
                 }

@@ -51,7 +51,7 @@ pub(super) struct Ldlt<R> {
     negative: R,
 }
 
-/// The triangle of some pivots, before and after division by them.
+/// The triangle of some pivots, before and after division by them, and their reciprocals.
 struct Pivots<T, const P: usize> {
     before: [[T; P]; P],
     after: [[T; P]; P],
@@ -83,10 +83,11 @@ impl<T: Field, const P: usize> Pivots<T, P> {
 }
 
 impl<R: Real, const P: usize> Pivots<R, P> {
-    /// Of the entries of a matrix, which are packs where lanes have one place: these in their registers.
+    /// Of the entries of a matrix; those of packs in their registers, for compilers take arrays of packs for
+    /// strided ones.
     #[inline(always)]
     fn of<L: Lanes<R>>(entries: [[R; P]; P]) -> Self {
-        if L::WIDTH > 1 {
+        if R::LANES == 1 {
             return Self::eliminated(entries);
         }
         let mut before = [[L::zero(); P]; P];

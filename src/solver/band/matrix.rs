@@ -529,6 +529,8 @@ impl<R: Real> Lines<'_, R> {
         }
         let (first, half) = (self.starts[self.lines.start], self.profile.half_bandwidth());
         for i in 0..n {
+            // Rows of lanes from behind: of two elements that meet the first adds first.
+            let i = if L::WIDTH == 1 { i } else { n - 1 - i };
             // Stored by columns from the diagonal on, or by rows in which the block starts before it.
             let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
             let row = &block[i * n + from..(i + 1) * n];
