@@ -481,13 +481,16 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
     #[inline(always)]
     fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
         let mut force = [[T::zero(); D]; S];
-        for i in 0..S {
-            if !self.vectors.met[i] {
-                continue;
-            }
+        // Two rows at a time, which share what is loaded of the vectors.
+        for i in (0..S).step_by(2) {
+            let next = (i + 1).min(S - 1);
+            let mut rows = [[T::zero(); D]; 2];
             for j in 0..S {
-                add_scaled(&mut force[i], stress[i.min(j)][i.max(j)], &v[j]);
+                add_scaled(&mut rows[0], stress[i.min(j)][i.max(j)], &v[j]);
+                add_scaled(&mut rows[1], stress[next.min(j)][next.max(j)], &v[j]);
             }
+            force[i] = rows[0];
+            force[next] = rows[1];
         }
         self.vectors.basis.change_force(&mut force);
         for i in 0..S {
