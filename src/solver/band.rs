@@ -27,6 +27,7 @@ mod blocks;
 mod ldlt;
 mod lu;
 mod matrix;
+mod pivots;
 mod profile;
 
 pub(super) use ldlt::{GROWTH, NOISE};

@@ -2,11 +2,12 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
-use super::blocks::{SUMS, add_one, first, first_blocks, first_blocks_mut, products};
+use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut, products};
 use super::matrix::{column_starts, overrun};
+use super::pivots::Pivots;
 use super::{BandMatrix, Profile, ahead};
 use crate::error::{Error, Result};
-use crate::scalar::{Field, LaneWork, Lanes, Mask, Real};
+use crate::scalar::{LaneWork, Lanes, Mask, Real};
 use crate::solver::Tape;
 
 /// Pivots eliminated together.
@@ -49,68 +50,6 @@ pub(super) struct Ldlt<R> {
     /// The vector being solved for, and zeros behind it.
     vector: Vec<R>,
     negative: R,
-}
-
-/// The triangle of some pivots, before and after division by them, and their reciprocals.
-struct Pivots<T, const P: usize> {
-    before: [[T; P]; P],
-    after: [[T; P]; P],
-    inverse: [T; P],
-}
-
-impl<T: Field, const P: usize> Pivots<T, P> {
-    /// Of the entries of a matrix. No branches: it must stay in registers.
-    #[inline(always)]
-    fn eliminated(mut before: [[T; P]; P]) -> Self {
-        let (mut after, mut inverse) = ([[T::zero(); P]; P], [T::zero(); P]);
-        for p in 0..P {
-            inverse[p] = T::one() / before[p][p];
-            for i in p + 1..P {
-                after[p][i] = before[p][i] * inverse[p];
-            }
-            for k in p + 1..P {
-                for i in k..P {
-                    before[k][i] -= after[p][i] * before[p][k];
-                }
-            }
-        }
-        Self {
-            before,
-            after,
-            inverse,
-        }
-    }
-}
-
-impl<R: Real, const P: usize> Pivots<R, P> {
-    /// Of the entries of a matrix; those of packs in their registers, for compilers take arrays of packs for
-    /// strided ones.
-    #[inline(always)]
-    fn of<L: Lanes<R>>(entries: [[R; P]; P]) -> Self {
-        if R::LANES == 1 {
-            return Self::eliminated(entries);
-        }
-        let mut before = [[L::zero(); P]; P];
-        for p in 0..P {
-            for i in p..P {
-                before[p][i] = L::lift(entries[p][i]);
-            }
-        }
-        let pivots = Pivots::eliminated(before);
-        let mut all = Self {
-            before: entries,
-            after: entries,
-            inverse: [R::zero(); P],
-        };
-        for p in 0..P {
-            all.inverse[p] = first(pivots.inverse[p]);
-            for i in p..P {
-                all.before[p][i] = first(pivots.before[p][i]);
-                all.after[p][i] = first(pivots.after[p][i]);
-            }
-        }
-        all
-    }
 }
 
 /// How many unknowns of equal `reach` go together with each one.

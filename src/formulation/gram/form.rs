@@ -1,0 +1,199 @@
+//! How the quadratic form of a kernel is made: moduli are summed over the points of a rule, then the
+//! scalar products that couple are told from those that do not.
+
+use super::super::Reference;
+use super::super::basis::Basis;
+use super::super::point::{first_column, material_frame};
+use super::super::products::{Products, Vectors, vanishes};
+use super::super::sampled::Sample;
+use super::{GramKernel, Group, Terms};
+use crate::element::Element;
+use crate::material::Moduli;
+use crate::quadrature::Cubature;
+use crate::scalar::Real;
+use crate::tensor::{add_scaled, array};
+
+/// The quadratic form while parts are added to it: between the pairs `i <= j` of nodal vectors, numbered
+/// row by row, those `[p][q]` with `p <= q`, for the form is symmetric.
+pub(in crate::formulation) struct Form<R, const D: usize, const S: usize>(Vec<R>);
+
+/// How many pairs `i <= j` of vectors there are.
+const fn pairs(vectors: usize) -> usize {
+    vectors * (vectors + 1) / 2
+}
+
+impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
+    pub(in crate::formulation) fn new() -> Self {
+        Self(vec![R::zero(); pairs(S) * pairs(S)])
+    }
+
+    /// Adds constant moduli at the section points `(0, y[, z])` (m) with weights (m^2), at the
+    /// points of `axial`, a rule on [0, 1] along the element. `K = 2 D - 1` samples as those of
+    /// [`PointSection`](super::PointSection).
+    pub(in crate::formulation) fn add<E: Element<D, S>, const K: usize>(
+        &mut self,
+        (element, reference): (&E, &Reference<R, D, S>),
+        samples: [Sample; K],
+        axial: &Cubature<R, 1>,
+        moduli: &Moduli<R, D>,
+        points: &[([R; D], R)],
+    ) {
+        let basis = Basis::of::<E, D, S>(reference.length);
+        let mut strain = Vec::with_capacity(pairs(S));
+        for ([xi], along) in axial.iter() {
+            let mut axis = [R::zero(); D];
+            axis[0] = xi;
+            let absolute = samples.map(|sample| sample.of(element, reference.length, axis));
+            let mut rows = absolute;
+            rows.iter_mut().for_each(|row| basis.change_row(row));
+            for (y, area) in points {
+                let mut weight = along * reference.length * *area;
+                let mut columns = gradient_rows(&rows, y);
+                if !reference.is_straight() {
+                    let initial = gradient_rows(&absolute, y).map(|row| {
+                        let mut g = [R::zero(); D];
+                        for i in 0..S {
+                            add_scaled(&mut g, row[i], &reference.vectors[i]);
+                        }
+                        g
+                    });
+                    let (map, volume) = material_frame(&initial);
+                    weight *= volume;
+                    columns = array(|a| {
+                        array(|i| (0..D).fold(R::zero(), |s, k| s + map[a][k] * columns[k][i]))
+                    });
+                }
+                self.add_point(moduli, &columns, weight, &mut strain);
+            }
+        }
+    }
+
+    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`. `strain` is room.
+    fn add_point(
+        &mut self,
+        moduli: &Moduli<R, D>,
+        columns: &[[R; S]; D],
+        weight: R,
+        strain: &mut Vec<(usize, R)>,
+    ) {
+        let all = || (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).enumerate();
+        for (a, b) in (0..D).flat_map(|a| (a..D).map(move |b| (a, b))) {
+            strain.clear();
+            for (q, (i, j)) in all() {
+                let value = strain_of(columns, [a, b], i, j);
+                if !value.is_nothing() {
+                    strain.push((q, value));
+                }
+            }
+            for (p, (i, j)) in all() {
+                let stress = weight
+                    * match a == b {
+                        true => (0..D).fold(R::zero(), |s, c| {
+                            s + moduli.normal[a][c] * strain_of(columns, [c, c], i, j)
+                        }),
+                        false => moduli.shear[a][b] * strain_of(columns, [a, b], i, j),
+                    };
+                if stress.is_nothing() {
+                    continue;
+                }
+                let form = &mut self.0[p * pairs(S)..][..pairs(S)];
+                let from = strain.partition_point(|(q, _)| *q < p);
+                for (q, strain) in &strain[from..] {
+                    form[*q] += stress * *strain;
+                }
+            }
+        }
+    }
+
+    /// Which products couple, by groups, and the forms of these.
+    fn groups(&self) -> (Vec<Group>, Vec<R>) {
+        let small = R::lit(64.0 * R::EPSILON);
+        let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
+        let raw = |p: usize, q: usize| {
+            // One triangle, so that the form is symmetric to the last digit.
+            self.0[p.min(q) * pairs(S) + p.max(q)]
+        };
+        let entry = |p: usize, q: usize| {
+            // Rounding of what cancels; but an entry that vanishes may have a derivative that does not.
+            let bound = small * raw(p, p).abs().sqrt() * raw(q, q).abs().sqrt();
+            match R::ORDER {
+                0 => R::zero().where_else(raw(p, q).abs().at_most(bound), raw(p, q)),
+                _ => raw(p, q),
+            }
+        };
+        let couples = |p: usize, q: usize| !vanishes(entry(p, q));
+        let met = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
+        let mut left: Vec<usize> = (0..all.len()).filter(met).collect();
+        let (mut groups, mut form) = (Vec::new(), Vec::new());
+        while let Some(first) = left.first().copied() {
+            let mut group = vec![first];
+            left.remove(0);
+            let mut n = 0;
+            while n < group.len() {
+                let (more, others) = left.iter().partition(|q| couples(group[n], **q));
+                left = others;
+                group.extend::<Vec<usize>>(more);
+                n += 1;
+            }
+            group.sort_unstable_by_key(|p| (all[*p].0 != all[*p].1, *p));
+            let place = |(i, j): (usize, usize)| if i == j { i } else { j * S + i };
+            groups.push(Group {
+                pairs: group.iter().map(|p| all[*p].0 * S + all[*p].1).collect(),
+                own: group.iter().filter(|p| all[**p].0 == all[**p].1).count(),
+                changes: group.iter().map(|p| place(all[*p])).collect(),
+                form: form.len(),
+            });
+            for p in &group {
+                form.extend(group.iter().map(|q| entry(*p, *q)));
+            }
+        }
+        (groups, form)
+    }
+
+    /// The kernel with the energy of what was added.
+    pub(in crate::formulation) fn kernel<E: Element<D, S>, P: Products<R, D, S>>(
+        &self,
+        reference: &Reference<R, D, S>,
+    ) -> GramKernel<R, P, D, S> {
+        let basis = Basis::of::<E, D, S>(reference.length);
+        let (groups, mut form) = self.groups();
+        let terms = Terms::new::<R, S>(&groups, &form);
+        form.push(R::zero());
+        let pairs: Vec<usize> = groups.iter().flat_map(|g| &g.pairs).copied().collect();
+        let met = |i| pairs.iter().any(|pair| pair / S == i || pair % S == i);
+        let vectors = Vectors::new(basis, reference, array(met));
+        GramKernel {
+            products: P::new(&vectors),
+            vectors,
+            groups,
+            form,
+            terms,
+        }
+    }
+}
+
+/// How a strain depends on a product: `E_aa`, and `2 E_ab`.
+#[inline(always)]
+fn strain_of<R: Real, const D: usize, const S: usize>(
+    columns: &[[R; S]; D],
+    [a, b]: [usize; 2],
+    i: usize,
+    j: usize,
+) -> R {
+    match a == b {
+        true => columns[a][i] * columns[a][j],
+        false => columns[a][i] * columns[b][j] + columns[a][j] * columns[b][i],
+    }
+}
+
+/// Rows of the gradient's columns at a section point over nodal vectors.
+fn gradient_rows<R: Real, const D: usize, const S: usize, const K: usize>(
+    rows: &[[R; S]; K],
+    y: &[R; D],
+) -> [[R; S]; D] {
+    let mut columns: [[R; S]; D] = array(|a| rows[a]);
+    for m in 1..D {
+        add_scaled(&mut columns[0], y[m], &rows[first_column::<D>(m)]);
+    }
+    columns
+}
