@@ -1,7 +1,7 @@
 //! Lanes: several numbers of a real type that go through a kernel together, one element in each.
 //! [`Real::dispatch`](super::Real::dispatch) picks the widest [`Registers`](super::Registers) that
-//! the processor at hand has, once per chain of elements and not per operation; simba's wide types are the lanes of other
-//! architectures, and a real number is a lane of its own.
+//! the processor at hand has, once per chain of elements and not per operation; simba's wide types
+//! are the lanes of other architectures, and a real number is a lane of its own.
 
 use num_traits::{One, Zero};
 use simba::simd::{SimdBool, SimdComplexField, SimdPartialOrd, WideF32x4, WideF32x8, WideF64x4};
