@@ -2,7 +2,14 @@
 //! nalgebra's: its matrix products shortcut on zero real parts, which drops derivatives when the
 //! scalar is a dual number.
 
+#[allow(
+    unsafe_code,
+    reason = "room that is not filled before it is written to"
+)]
+mod room;
+
 use crate::scalar::{Algebra, Field, Real, Scalar};
+pub use room::{Pairs, Room, Stack};
 
 /// The array of `f(0)`, `f(1)`, ..: `std::array::from_fn` for kernels, which must be inlined whole to
 /// be compiled for the registers of lanes.

@@ -8,25 +8,32 @@ mod form;
 
 use std::ops::Range;
 
-use super::products::{Products, Square, Vectors, vanishes};
+use super::products::{Products, Vectors, vanishes};
 use super::{ElementKernel, KernelWork, Tangent, mirrored};
-use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, sum, times};
+use crate::scalar::{Algebra, Real, Scalar};
+use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, sum, times};
 pub(super) use form::Form;
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
 /// stretching, bending about each axis and torsion part.
 #[derive(Debug, Clone, PartialEq)]
 struct Group {
-    /// Pairs `i <= j` of nodal vectors, as `i S + j`: first those of vectors with themselves.
-    pairs: Vec<usize>,
-    /// Where the changes of the products are in a [`Square`]: of how many vectors with themselves, as `i`,
-    /// and of others, as `j S + i`.
-    own: usize,
-    changes: Vec<usize>,
-    /// Where the quadratic form over them (J) starts, row by row.
+    /// Pairs `i <= j` of nodal vectors: first those of vectors with themselves.
+    pairs: Vec<(usize, usize)>,
+    /// Where the quadratic form over them (J) starts: [`ROWS`] rows at a time, column by column.
     form: usize,
 }
+
+impl Group {
+    /// Where an entry of the form is.
+    fn place(&self, row: usize, column: usize) -> usize {
+        let (first, count) = (row / ROWS * ROWS, self.pairs.len());
+        self.form + first * count + column * ROWS.min(count - first) + row - first
+    }
+}
+
+/// Products that go through the form at once.
+const ROWS: usize = 4;
 
 /// Right vectors of a term: those of a vector that is quadratic along the element.
 const WIDE: usize = 3;
@@ -48,15 +55,25 @@ struct Dyad<const N: usize> {
 struct Block {
     row: usize,
     column: usize,
+    /// What is conjugate to the product of the two, or a zero.
+    stress: Place,
     /// Dyads of two vectors, four of five of all.
     pairs: Range<usize>,
     /// Dyads with sums.
     sums: Range<usize>,
 }
 
-/// The material part of the tangent, block by block.
+/// What is computed from changes: stress, the force on each nodal vector, and the tangent block by block.
 #[derive(Debug, Clone, PartialEq)]
 struct Terms {
+    /// How many products couple, group by group, as their forms and changes follow each other.
+    groups: Vec<usize>,
+    /// Vectors of which strain is made, from the first to the last: all but the first position of a
+    /// complete element.
+    met: Range<usize>,
+    /// For forces on nodal vectors, some rows at a time, column by column where what is conjugate to the
+    /// product of two vectors is, or a zero.
+    forces: Vec<Place>,
     blocks: Vec<Block>,
     pairs: Vec<Dyad<1>>,
     sums: Vec<Dyad<WIDE>>,
@@ -73,21 +90,35 @@ struct Terms {
 pub struct GramKernel<R, P, const D: usize, const S: usize> {
     products: P,
     vectors: Vectors<R, D, S>,
-    groups: Vec<Group>,
     /// The forms of all groups, and a zero.
     form: Vec<R>,
     terms: Terms,
 }
 
 impl Terms {
-    /// The terms of a form by groups; a zero is to follow it.
-    fn new<R: Real, const S: usize>(groups: &[Group], form: &[R]) -> Self {
-        let other = |pair: usize, of: usize| match (pair / S == of, pair % S == of) {
-            (true, _) => Some(pair % S),
-            (_, true) => Some(pair / S),
+    /// The terms of a form by groups; a zero is to follow it. Forces are summed so many `at_once`.
+    fn new<R: Real, const S: usize>(groups: &[Group], form: &[R], at_once: usize) -> Self {
+        let other = |(i, j): (usize, usize), of: usize| match (i == of, j == of) {
+            (true, _) => Some(j),
+            (_, true) => Some(i),
             _ => None,
         };
         let place = |at: usize| at as Place;
+        let all: Vec<_> = groups.iter().flat_map(|group| &group.pairs).collect();
+        let stress_of = |i: usize, j: usize| {
+            let pair = (i.min(j), i.max(j));
+            place(all.iter().position(|p| **p == pair).unwrap_or(all.len()))
+        };
+        let strained = |i: &usize| all.iter().any(|(a, b)| a == i || b == i);
+        let first = (0..S).find(strained).unwrap_or(S);
+        let met = first..(first..S).rfind(strained).map_or(S, |last| last + 1);
+        let rows: Vec<usize> = (0..S).collect();
+        let (whole, rest) = rows.split_at(S / at_once * at_once);
+        let mut forces = Vec::new();
+        for rows in whole.chunks(at_once).chain(rest.chunks(1)) {
+            let columns = met.clone();
+            forces.extend(columns.flat_map(|j| rows.iter().map(move |i| stress_of(*i, j))));
+        }
         let (mut blocks, mut pairs, mut sums) = (Vec::new(), Vec::new(), Vec::new());
         let mut rights = Vec::new();
         for (row, column) in (0..S).flat_map(|row| (row..S).map(move |column| (row, column))) {
@@ -99,7 +130,7 @@ impl Terms {
                     };
                     rights.clear();
                     for (q, pair) in group.pairs.iter().enumerate() {
-                        let at = group.form + p * group.pairs.len() + q;
+                        let at = group.place(p, q);
                         if let Some(right) = other(*pair, column).filter(|_| !vanishes(form[at])) {
                             rights.push((place(right), place(at)));
                         }
@@ -120,11 +151,15 @@ impl Terms {
             blocks.push(Block {
                 row,
                 column,
+                stress: stress_of(row, column),
                 pairs: first_pair..pairs.len(),
                 sums: first_sum..sums.len(),
             });
         }
         Self {
+            groups: groups.iter().map(|group| group.pairs.len()).collect(),
+            forces,
+            met,
             blocks,
             pairs,
             sums,
@@ -176,111 +211,120 @@ impl<const N: usize> Dyad<N> {
     }
 }
 
-/// Products that go through the form at once.
-const ROWS: usize = 4;
-
-/// What is conjugate to the `N` products of some pairs of a group: rows of the form times changes.
+/// What is conjugate to `N` products, from their changes: rows of a form, which goes on with others.
 #[inline(always)]
-fn stress_of<R: Real, T: Algebra<R>, const S: usize, const N: usize>(
-    group: &Group,
-    rows: &[R],
-    pairs: &[usize],
-    square: &mut Square<T, S>,
-) {
-    // The minima are identities; they let the optimiser drop the bounds checks.
-    let (count, last) = (group.changes.len(), S * S - 1);
-    let (own, others) = group.changes.split_at(group.own);
-    let by_own: [&[R]; N] = array(|r| &rows[r * count..][..own.len()]);
-    let by_others: [&[R]; N] = array(|r| &rows[r * count + own.len()..][..others.len()]);
+fn stress_of<R: Real, T: Algebra<R>, const N: usize>(form: &mut &[R], changes: &[T]) -> [T; N] {
+    let (columns, rest) = form.split_at(N * changes.len());
+    *form = rest;
     let mut sums = [T::zero(); N];
-    for m in 0..own.len() {
-        let g = square.own[own[m].min(S - 1)];
+    for (column, change) in columns.as_chunks::<N>().0.iter().zip(changes) {
         for r in 0..N {
-            sums[r] = sums[r].plus_times(by_own[r][m], g);
+            sums[r] = sums[r].plus_times(column[r], *change);
         }
     }
-    let entries = square.entries.as_flattened_mut();
-    for m in 0..others.len() {
-        let g = entries[others[m].min(last)];
-        for r in 0..N {
-            sums[r] = sums[r].plus_times(by_others[r][m], g);
+    sums
+}
+
+/// Forces on `N` vectors, from the places of what is conjugate to their products with the vectors `v`.
+#[inline(always)]
+fn force_on<T: Scalar, const D: usize, const N: usize>(
+    places: &mut &[Place],
+    stress: &[T],
+    v: &[[T; D]],
+) -> [[T; D]; N] {
+    let last = last_of(stress);
+    let (columns, rest) = places.split_at(N * v.len());
+    *places = rest;
+    let mut sums = [[T::zero(); D]; N];
+    for (column, v) in columns.as_chunks::<N>().0.iter().zip(v) {
+        for n in 0..N {
+            // The minimum is an identity; it lets the optimiser drop the bounds check.
+            add_scaled(&mut sums[n], stress[(column[n] as usize).min(last)], v);
         }
     }
-    for r in 0..N {
-        entries[pairs[r].min(last)] = sums[r];
-    }
+    sums
+}
+
+/// The last place of numbers.
+///
+/// # Panics
+/// If there are none, so that an index of at most this many needs no check.
+#[inline(always)]
+fn last_of<T>(numbers: &[T]) -> usize {
+    assert!(!numbers.is_empty(), "a zero is on the stack");
+    numbers.len() - 1
 }
 
 impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
-    /// What is conjugate to the products, from their changes.
+    /// Puts what is conjugate to the products, and a zero, on top of their changes.
     #[inline(always)]
-    fn stress<T: Algebra<R>>(&self, square: &mut Square<T, S>) {
-        for group in &self.groups {
-            let count = group.pairs.len();
-            let form = &self.form[group.form..][..count * count];
-            for (rows, pairs) in form.chunks(ROWS * count).zip(group.pairs.chunks(ROWS)) {
-                match pairs.len() {
-                    ROWS => stress_of::<R, T, S, ROWS>(group, rows, pairs, square),
-                    3 => stress_of::<R, T, S, 3>(group, rows, pairs, square),
-                    2 => stress_of::<R, T, S, 2>(group, rows, pairs, square),
-                    _ => stress_of::<R, T, S, 1>(group, rows, pairs, square),
-                }
+    fn stress<T: Algebra<R>>(&self, stack: &mut Stack<'_, T>) {
+        let (mut form, mut first) = (&self.form[..], 0);
+        for count in &self.terms.groups {
+            let group = first..first + count;
+            first = group.end;
+            for _ in 0..count / ROWS {
+                let stress: [T; ROWS] = stress_of(&mut form, &stack.numbers()[group.clone()]);
+                stack.push(stress);
+            }
+            let changes = &stack.numbers()[group];
+            match count % ROWS {
+                3 => stack.push(stress_of::<R, T, 3>(&mut form, changes)),
+                2 => stack.push(stress_of::<R, T, 2>(&mut form, changes)),
+                1 => stack.push(stress_of::<R, T, 1>(&mut form, changes)),
+                _ => {}
             }
         }
+        stack.push([T::zero()]);
     }
 
-    /// Changes of the products and what is conjugate to them, and the displaced vectors.
+    /// The displaced vectors, and on the stack the changes of the products and what is conjugate to them.
     #[inline(always)]
-    fn strain<T: Algebra<R>>(
+    fn strain<'v, T: Algebra<R>>(
         &self,
         u: &[[T; D]; S],
-        square: &mut Square<T, S>,
-        v: &mut [[T; D]; S],
-    ) {
-        self.products.change(&self.vectors, u, square, v);
-        self.stress(square);
+        stack: &mut Stack<'_, T>,
+        room: &'v mut Room<[[T; D]; S]>,
+    ) -> &'v [[T; D]; S] {
+        let v = self.products.change(&self.vectors, u, stack, room);
+        self.stress(stack);
+        v
     }
 
-    /// What is conjugate to the products in the mean of a step, and the vectors at its ends.
+    /// What is conjugate to the products in the mean of a step on the stack, and the vectors at its ends.
     #[inline(always)]
-    fn secant_stress<T: Algebra<R>>(
+    fn secant_stress<'v, T: Algebra<R>>(
         &self,
         viscosity: R,
         ends: [&[[T; D]; S]; 2],
-    ) -> ([[T; S]; S], [[[T; D]; S]; 2]) {
+        stack: &mut Stack<'_, T>,
+        rooms: &'v mut [Room<[[T; D]; S]>; 2],
+    ) -> [&'v [[T; D]; S]; 2] {
         let half = R::lit(0.5);
-        let mut changes = [Square::new(); 2];
-        let mut vectors = [[[T::zero(); D]; S]; 2];
-        for end in 0..2 {
-            let (g, v) = (&mut changes[end], &mut vectors[end]);
-            self.products.change(&self.vectors, ends[end], g, v);
+        let mut room = Room::<Pairs<T, S>>::new();
+        let mut old = room.stack();
+        let [first, second] = rooms;
+        let from = self
+            .products
+            .change(&self.vectors, ends[0], &mut old, first);
+        let to = self.products.change(&self.vectors, ends[1], stack, second);
+        for (g, old) in stack.numbers_mut().iter_mut().zip(old.numbers()) {
+            *g = g.times(half + viscosity) + old.times(half - viscosity);
         }
-        let [mut old, mut square] = changes;
-        for i in 0..S {
-            for j in i..S {
-                let (g, old) = (square.change(i, j), *old.change(i, j));
-                *g = g.times(half + viscosity) + old.times(half - viscosity);
-            }
-        }
-        self.stress(&mut square);
-        (square.entries, vectors)
+        self.stress(stack);
+        [from, to]
     }
 
     /// Overwrites the upper blocks of the tangent.
     #[inline(always)]
-    fn upper_of<T: Algebra<R>>(
-        &self,
-        stress: &[[T; S]; S],
-        v: &[[T; D]; S],
-        k: &mut Tangent<T, D, S>,
-    ) {
-        for block in &self.terms.blocks {
+    fn upper_of<T: Algebra<R>>(&self, stress: &[T], v: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
+        let (terms, last) = (&self.terms, last_of(stress));
+        for block in &terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
             for c in 0..D {
-                sum[c][c] = stress[i][j];
+                sum[c][c] = stress[(block.stress as usize).min(last)];
             }
-            let terms = &self.terms;
             terms.add_dyads(&self.form, block, (v, v), &mut sum);
             for c in 0..D {
                 k[i][c][j] = sum[c];
@@ -289,25 +333,55 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         self.vectors.basis.change_upper(k);
     }
 
+    /// How many vectors the force is summed up on at once: as many as registers hold the sums of, where
+    /// numbers take two of them.
+    const AT_ONCE: usize = if D == 2 { 2 } else { 1 };
+
+    /// Puts the force on the vectors of the basis on an empty stack, `N` at once.
+    #[inline(always)]
+    fn push_rows<T: Algebra<R>, const N: usize>(
+        &self,
+        stress: &[T],
+        v: &[[T; D]; S],
+        rows: &mut Stack<'_, [T; D]>,
+    ) {
+        let met = self.terms.met.clone();
+        let (mut places, v) = (&self.terms.forces[..], &v[met.clone()]);
+        let unmet = met.start / N;
+        for _ in 0..unmet {
+            rows.push([[T::zero(); D]; N]);
+        }
+        places = &places[unmet * N * v.len()..];
+        for _ in unmet..S / N {
+            rows.push(force_on::<T, D, N>(&mut places, stress, v));
+        }
+        for _ in 0..S % N {
+            rows.push(force_on::<T, D, 1>(&mut places, stress, v));
+        }
+    }
+
     /// Adds the force on nodal vectors.
     #[inline(always)]
-    fn add_force<T: Algebra<R>>(&self, stress: &[[T; S]; S], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        let mut force = [[T::zero(); D]; S];
-        // Two rows at a time, which share what is loaded of the vectors.
-        for i in (0..S).step_by(2) {
-            let next = (i + 1).min(S - 1);
-            let mut rows = [[T::zero(); D]; 2];
-            for j in 0..S {
-                add_scaled(&mut rows[0], stress[i.min(j)][i.max(j)], &v[j]);
-                add_scaled(&mut rows[1], stress[next.min(j)][next.max(j)], &v[j]);
-            }
-            force[i] = rows[0];
-            force[next] = rows[1];
-        }
-        self.vectors.basis.change_force(&mut force);
+    fn add_force<T: Algebra<R>>(&self, stress: &[T], v: &[[T; D]; S], q: &mut [[T; D]; S]) {
+        let mut room = Room::<[[T; D]; S]>::new();
+        let force = room.fill(
+            #[inline(always)]
+            |rows| match Self::AT_ONCE {
+                2 => self.push_rows::<T, 2>(stress, v, rows),
+                _ => self.push_rows::<T, 1>(stress, v, rows),
+            },
+        );
+        self.vectors.basis.change_force(force);
         for i in 0..S {
             q[i] = sum(&q[i], &force[i]);
         }
+    }
+
+    /// What is conjugate to the products and a zero, as [`stress`](Self::stress) left them.
+    #[inline(always)]
+    fn stress_on<'s, T: Copy>(&self, stack: &'s Stack<'_, T>) -> &'s [T] {
+        let all = stack.numbers();
+        &all[all.len() / 2..]
     }
 }
 
@@ -321,25 +395,22 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
-        self.strain(u, &mut square, &mut v);
+        let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
+        let mut stack = products.stack();
+        self.strain(u, &mut stack, &mut vectors);
         let mut twice = T::zero();
-        for i in 0..S {
-            for j in i..S {
-                let change = *square.change(i, j);
-                twice = twice.plus_product(change, square.entries[i][j]);
-            }
+        for (change, stress) in stack.numbers().iter().zip(self.stress_on(&stack)) {
+            twice = twice.plus_product(*change, *stress);
         }
         twice.times(R::lit(0.5))
     }
 
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        // Written in place: arrays of lanes are long.
-        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
-        self.strain(u, &mut square, &mut v);
-        let stress = &square.entries;
-        self.add_force(stress, &v, q);
+        let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
+        let mut stack = products.stack();
+        let v = self.strain(u, &mut stack, &mut vectors);
+        self.add_force(self.stress_on(&stack), v, q);
     }
 
     #[inline(always)]
@@ -349,21 +420,24 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         q: &mut [[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
-        self.strain(u, &mut square, &mut v);
-        self.add_force(&square.entries, &v, q);
+        let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
+        let mut stack = products.stack();
+        let v = self.strain(u, &mut stack, &mut vectors);
+        let stress = self.stress_on(&stack);
+        self.add_force(stress, v, q);
         mirrored(
             k,
             #[inline(always)]
-            |upper| self.upper_of(&square.entries, &v, upper),
+            |upper| self.upper_of(stress, v, upper),
         );
     }
 
     #[inline(always)]
     fn upper_tangent<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) {
-        let (mut square, mut v) = (Square::new(), [[T::zero(); D]; S]);
-        self.strain(u, &mut square, &mut v);
-        self.upper_of(&square.entries, &v, k);
+        let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
+        let mut stack = products.stack();
+        let v = self.strain(u, &mut stack, &mut vectors);
+        self.upper_of(self.stress_on(&stack), v, k);
     }
 
     fn has_strain(&self) -> bool {
@@ -379,8 +453,11 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         to: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
-        let (stress, [from, to]) = self.secant_stress(viscosity, [from, to]);
-        self.add_force(&stress, &between(&from, &to, R::lit(0.5)), q);
+        let (mut products, mut rooms) = (Room::<Pairs<T, S>>::new(), [Room::new(), Room::new()]);
+        let mut stack = products.stack();
+        let [from, to] = self.secant_stress(viscosity, [from, to], &mut stack, &mut rooms);
+        let stress = self.stress_on(&stack);
+        self.add_force(stress, &between(from, to, R::lit(0.5)), q);
     }
 
     #[inline(always)]
@@ -392,19 +469,22 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         k: &mut Tangent<T, D, S>,
     ) {
         let half = R::lit(0.5);
-        let (stress, [from, to]) = self.secant_stress(viscosity, [from, to]);
-        let middle = between(&from, &to, half);
+        let (mut products, mut rooms) = (Room::<Pairs<T, S>>::new(), [Room::new(), Room::new()]);
+        let mut stack = products.stack();
+        let [from, to] = self.secant_stress(viscosity, [from, to], &mut stack, &mut rooms);
+        let stress = self.stress_on(&stack);
+        let middle = between(from, to, half);
         let share = half + viscosity;
         let mut relative: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];
-        for block in &self.terms.blocks {
+        let (terms, last) = (&self.terms, last_of(stress));
+        for block in &terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
-            let geometric = stress[i][j].times(half);
+            let geometric = stress[(block.stress as usize).min(last)].times(half);
             let mut upper = [[T::zero(); D]; D];
-            let terms = &self.terms;
-            terms.add_dyads(&self.form, block, (&middle, &to), &mut upper);
+            terms.add_dyads(&self.form, block, (&middle, to), &mut upper);
             // Across the diagonal the vectors of the dyads change places.
             let mut lower = [[T::zero(); D]; D];
-            terms.add_dyads(&self.form, block, (&to, &middle), &mut lower);
+            terms.add_dyads(&self.form, block, (to, &middle), &mut lower);
             for c in 0..D {
                 for d in 0..D {
                     let diagonal = if c == d { geometric } else { T::zero() };

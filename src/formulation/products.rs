@@ -6,8 +6,8 @@ use std::fmt::Debug;
 
 use super::Reference;
 use super::basis::{Basis, Kind, Step};
-use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{array, difference, dot};
+use crate::scalar::{Algebra, Real};
+use crate::tensor::{Room, Stack, array, difference, dot};
 
 /// Vectors of an element by a basis of means and differences.
 #[derive(Debug, Clone)]
@@ -15,43 +15,26 @@ pub struct Vectors<R, const D: usize, const S: usize> {
     pub(super) basis: Basis<R>,
     /// Vectors in the reference state.
     pub(super) reference: [[R; D]; S],
-    /// Those of which strain is made: all but the first position of a complete element.
-    pub(super) met: [bool; S],
-    /// Those that are zero in the reference state.
-    bare: [bool; S],
+    /// The products of which strain is made.
+    pairs: Vec<Pair>,
 }
 
-/// Changes of scalar products and what is conjugate to them, in one square: of lanes it takes kilobytes,
-/// and a second one would be as long to fill with zeros as a force is to sum up.
+/// The scalar product of two vectors.
 #[derive(Debug, Clone, Copy)]
-pub struct Square<T, const S: usize> {
-    /// At `[i][j]`, `i <= j`, what is conjugate to a product; at `[j][i]`, `i < j`, its change.
-    pub(super) entries: [[T; S]; S],
-    /// Changes of the products of vectors with themselves, halved.
-    pub(super) own: [T; S],
-}
-
-impl<T: Scalar, const S: usize> Square<T, S> {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        Self {
-            entries: [[T::zero(); S]; S],
-            own: [T::zero(); S],
-        }
-    }
-
-    /// Change of the product of the vectors `i <= j`.
-    #[inline(always)]
-    pub(super) fn change(&mut self, i: usize, j: usize) -> &mut T {
-        match i == j {
-            true => &mut self.own[i],
-            false => &mut self.entries[j][i],
-        }
-    }
+struct Pair {
+    i: usize,
+    j: usize,
+    /// Whether one of them is zero in the reference state.
+    bare: bool,
 }
 
 impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
-    pub(super) fn new(basis: Basis<R>, element: &Reference<R, D, S>, met: [bool; S]) -> Self {
+    /// Strain is to be made of the products of these pairs, in the order in which changes are wanted.
+    pub(super) fn new(
+        basis: Basis<R>,
+        element: &Reference<R, D, S>,
+        pairs: impl Iterator<Item = (usize, usize)>,
+    ) -> Self {
         let mut reference = element.vectors;
         basis.change(&mut reference);
         if element.is_straight() {
@@ -61,48 +44,64 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
             }
         }
         let bare = reference.map(|vector| vector.iter().all(|c| vanishes(*c)));
+        let pair = |(i, j)| Pair {
+            i,
+            j,
+            bare: bare[i] || bare[j],
+        };
         Self {
             basis,
             reference,
-            met,
-            bare,
+            pairs: pairs.map(pair).collect(),
         }
     }
 
     /// Vectors displaced by `h`.
     #[inline(always)]
-    fn displace<T: Algebra<R>>(&self, h: &[[T; D]; S], v: &mut [[T; D]; S]) {
-        for i in 0..S {
-            for c in 0..D {
-                v[i][c] = h[i][c] + T::lift(self.reference[i][c]);
-            }
-        }
+    fn displaced<'v, T: Algebra<R>>(
+        &self,
+        h: &[[T; D]; S],
+        room: &'v mut Room<[[T; D]; S]>,
+    ) -> &'v [[T; D]; S] {
+        room.fill(
+            #[inline(always)]
+            |v| {
+                for i in 0..S {
+                    let (h, reference) = (&h[i], &self.reference[i]);
+                    v.push([array(
+                        #[inline(always)]
+                        |c| h[c] + T::lift(reference[c]),
+                    )]);
+                }
+            },
+        )
     }
 
-    /// Changes of the products, for pairs `i <= j` and halved for `i = j`: the product itself where
-    /// either vector is zero in the reference, and what `change` makes of the others.
+    /// Changes of the products: the product itself where either vector is zero in the reference, and what
+    /// `change` makes of the others.
     #[inline(always)]
     fn changes<T: Algebra<R>>(
         &self,
         v: &[[T; D]; S],
         change: impl Fn(usize, usize) -> T,
-        g: &mut Square<T, S>,
+        changes: &mut Stack<'_, T>,
     ) {
-        for i in 0..S {
-            if !self.met[i] {
-                continue;
-            }
-            for j in i..S {
-                let change = match self.bare[i] || self.bare[j] {
+        changes.push_each(
+            &self.pairs,
+            #[inline(always)]
+            |pair| {
+                // The minima are identities; they let the optimiser drop the bounds checks.
+                let (i, j) = (pair.i.min(S - 1), pair.j.min(S - 1));
+                let change = match pair.bare {
                     true => dot(&v[i], &v[j]),
                     false => change(i, j),
                 };
-                *g.change(i, j) = match i == j {
+                match i == j {
                     true => change.times(R::lit(0.5)),
                     false => change,
-                };
-            }
-        }
+                }
+            },
+        );
     }
 
     /// Change of the product of two displaced vectors.
@@ -128,16 +127,16 @@ pub trait Products<R: Real, const D: usize, const S: usize>:
     #[doc(hidden)]
     fn new(vectors: &Vectors<R, D, S>) -> Self;
 
-    /// Overwrites the changes `g` of the products, for pairs `i <= j` and halved for `i = j`, and the
-    /// displaced vectors `v`.
+    /// The displaced vectors, and on the stack the changes of the products, halved for those of vectors
+    /// with themselves.
     #[doc(hidden)]
-    fn change<T: Algebra<R>>(
+    fn change<'v, T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut Square<T, S>,
-        v: &mut [[T; D]; S],
-    );
+        changes: &mut Stack<'_, T>,
+        room: &'v mut Room<[[T; D]; S]>,
+    ) -> &'v [[T; D]; S];
 }
 
 /// From displacements, which keep the digits that a product of displaced vectors loses.
@@ -150,22 +149,23 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for Direct {
     }
 
     #[inline(always)]
-    fn change<T: Algebra<R>>(
+    fn change<'v, T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut Square<T, S>,
-        v: &mut [[T; D]; S],
-    ) {
+        changes: &mut Stack<'_, T>,
+        room: &'v mut Room<[[T; D]; S]>,
+    ) -> &'v [[T; D]; S] {
         let mut h = *u;
         vectors.basis.change(&mut h);
-        vectors.displace(&h, v);
+        let v = vectors.displaced(&h, room);
         vectors.changes(
             v,
             #[inline(always)]
             |i, j| vectors.change((&h, v), (i, j)),
-            g,
+            changes,
         );
+        v
     }
 }
 
@@ -219,15 +219,15 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
     }
 
     #[inline(always)]
-    fn change<T: Algebra<R>>(
+    fn change<'v, T: Algebra<R>>(
         &self,
         vectors: &Vectors<R, D, S>,
         u: &[[T; D]; S],
-        g: &mut Square<T, S>,
-        v: &mut [[T; D]; S],
-    ) {
+        changes: &mut Stack<'_, T>,
+        room: &'v mut Room<[[T; D]; S]>,
+    ) -> &'v [[T; D]; S] {
         let [h, coarse, fine] = self.parts(&vectors.basis, u);
-        vectors.displace(&h, v);
+        let v = vectors.displaced(&h, room);
         let on_grid: [[T; D]; S] = array(|i| array(|c| coarse[i][c] + T::lift(self.coarse[i][c])));
         vectors.changes(
             v,
@@ -246,8 +246,9 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
                 }
                 exact + small
             },
-            g,
+            changes,
         );
+        v
     }
 }
 

@@ -38,9 +38,9 @@ pub trait Laned: Real {
     fn unpack(pack: Self::Pack, lane: usize) -> Self;
 }
 
-/// A [`Pack`] in `C` registers.
+/// `C` registers at once: of a [`Pack`], or of elements where two hide better what is not arithmetic.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wide<L, const C: usize>([L; C]);
+pub(super) struct Wide<L, const C: usize>(pub(super) [L; C]);
 
 impl<L: Copy, const C: usize> Wide<L, C> {
     #[inline(always)]
@@ -51,7 +51,7 @@ impl<L: Copy, const C: usize> Wide<L, C> {
         ))
     }
     #[inline(always)]
-    fn with(self, other: Self, f: impl Fn(L, L) -> L) -> Self {
+    pub(super) fn with(self, other: Self, f: impl Fn(L, L) -> L) -> Self {
         Self(std::array::from_fn(
             #[inline(always)]
             |m| f(self.0[m], other.0[m]),

@@ -97,8 +97,8 @@ macro_rules! register {
             work.run::<Wide<$t, $count>>()
         }
 
-        // SAFETY, here and below: numbers of this type are made by work inside `$run` and `$run_pack` only, whose
-        // callers have found the processor to have the instructions.
+        // SAFETY, here and below: numbers of this type are made by work inside `$run`, `$run_pack` and, of pairs,
+        // `@two` only, whose callers have found the processor to have the instructions.
         register!(@operator $t, Add add $add, AddAssign add_assign);
         register!(@operator $t, Sub sub $sub, SubAssign sub_assign);
         register!(@operator $t, Mul mul $mul, MulAssign mul_assign);
@@ -114,6 +114,90 @@ macro_rules! register {
             #[inline(always)]
             fn map(self, f: impl Fn($r) -> $r) -> Self {
                 Self::load(&self.to_array().map(f))
+            }
+
+            /// [`Lanes::gather`], which tells of each of `count` columns by its number.
+            #[inline(always)]
+            fn gather_each(
+                x: &[$r],
+                starts: impl Fn(usize) -> usize,
+                count: usize,
+                mut put: impl FnMut(usize, Self),
+            ) {
+                let mut rows = [x; $width];
+                for (lane, row) in rows.iter_mut().enumerate() {
+                    *row = &x[starts(lane)..][..count];
+                }
+                let whole = count / TILE * TILE;
+                for i in (0..whole).step_by(TILE) {
+                    let mut values = [[0.0; $width]; TILE];
+                    for first in (0..$width).step_by(TILE) {
+                        let mut tile = [[0.0; TILE]; TILE];
+                        for lane in 0..TILE {
+                            tile[lane].copy_from_slice(&rows[first + lane][i..i + TILE]);
+                        }
+                        unsafe { $tile(&mut tile) };
+                        for j in 0..TILE {
+                            values[j][first..first + TILE].copy_from_slice(&tile[j]);
+                        }
+                    }
+                    for j in 0..TILE {
+                        put(i + j, Self::load(&values[j]));
+                    }
+                }
+                for i in whole..count {
+                    let mut values = [0.0; $width];
+                    for lane in 0..$width {
+                        values[lane] = rows[lane][i];
+                    }
+                    put(i, Self::load(&values));
+                }
+            }
+
+            /// [`Lanes::scatter`] of `count` columns by their number.
+            #[inline(always)]
+            fn scatter_each(
+                count: usize,
+                column: impl Fn(usize) -> Self,
+                x: &mut [$r],
+                starts: impl Fn(usize) -> Option<usize>,
+            ) {
+                let mut rows = [None; $width];
+                for (lane, row) in rows.iter_mut().enumerate() {
+                    *row = starts(lane);
+                }
+                // From behind, for elements share their end nodes: of two that meet the first adds first, as
+                // where they come one by one.
+                let whole = count / TILE * TILE;
+                for i in whole..count {
+                    let values = column(i).to_array();
+                    for lane in 0..$width {
+                        if let Some(start) = rows[lane] {
+                            x[start + i] += values[lane];
+                        }
+                    }
+                }
+                for i in (0..whole).step_by(TILE).rev() {
+                    let mut values = [[0.0; $width]; TILE];
+                    for j in 0..TILE {
+                        column(i + j).store(&mut values[j]);
+                    }
+                    for first in (0..$width).step_by(TILE) {
+                        let mut tile = [[0.0; TILE]; TILE];
+                        for j in 0..TILE {
+                            tile[j].copy_from_slice(&values[j][first..first + TILE]);
+                        }
+                        unsafe { $tile(&mut tile) };
+                        for lane in 0..TILE {
+                            if let Some(start) = rows[first + lane] {
+                                let row = &mut x[start + i..][..TILE];
+                                for j in 0..TILE {
+                                    row[j] += tile[lane][j];
+                                }
+                            }
+                        }
+                    }
+                }
             }
         }
         impl Neg for $t {
@@ -203,72 +287,96 @@ macro_rules! register {
 
             #[inline(always)]
             fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
-                let mut rows = [x; $width];
-                for (lane, row) in rows.iter_mut().enumerate() {
-                    *row = &x[starts(lane)..][..columns.len()];
-                }
-                let whole = columns.len() / TILE * TILE;
-                for i in (0..whole).step_by(TILE) {
-                    let mut values = [[0.0; $width]; TILE];
-                    for first in (0..$width).step_by(TILE) {
-                        let mut tile = [[0.0; TILE]; TILE];
-                        for lane in 0..TILE {
-                            tile[lane].copy_from_slice(&rows[first + lane][i..i + TILE]);
-                        }
-                        unsafe { $tile(&mut tile) };
-                        for j in 0..TILE {
-                            values[j][first..first + TILE].copy_from_slice(&tile[j]);
-                        }
-                    }
-                    for j in 0..TILE {
-                        columns[i + j] = Self::load(&values[j]);
-                    }
-                }
-                for i in whole..columns.len() {
-                    let mut values = [0.0; $width];
-                    for lane in 0..$width {
-                        values[lane] = rows[lane][i];
-                    }
-                    columns[i] = Self::load(&values);
+                let count = columns.len();
+                Self::gather_each(
+                    x,
+                    starts,
+                    count,
+                    #[inline(always)]
+                    |i, column| columns[i] = column,
+                );
+            }
+            #[inline(always)]
+            fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
+                Self::scatter_each(
+                    columns.len(),
+                    #[inline(always)]
+                    |i| columns[i],
+                    x,
+                    starts,
+                );
+            }
+        }
+    };
+    (@two $t:ident, $r:ty, $width:literal, $both:literal, $feature:literal, $run:ident) => {
+        /// Runs work in two registers at once, so that what is not arithmetic is done half as often: for
+        /// work that is not heavy. The processor must have the instructions.
+        #[target_feature(enable = $feature)]
+        pub(super) fn $run<W: LaneWork<$r>>(work: W) -> W::Output {
+            work.run::<Wide<$t, 2>>()
+        }
+
+        impl Algebra<$r> for Wide<$t, 2> {
+            type Dual<const M: usize> = Jet<Self, M>;
+            #[inline(always)]
+            fn lift(r: $r) -> Self {
+                Self([$t::lift(r); 2])
+            }
+            #[inline(always)]
+            fn times(self, r: $r) -> Self {
+                let both: Self = Algebra::<$r>::lift(r);
+                self * both
+            }
+            #[inline(always)]
+            fn plus_times(self, r: $r, a: Self) -> Self {
+                self.plus_product(a, Algebra::<$r>::lift(r))
+            }
+            jet::by_jet!();
+        }
+        impl Lanes<$r> for Wide<$t, 2> {
+            blocks!($r, $both);
+
+            #[inline(always)]
+            fn load(from: &[$r]) -> Self {
+                let from = &from[..$both];
+                Self([$t::load(from), $t::load(&from[$width..])])
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [$r]) {
+                let to = &mut to[..$both];
+                self.0[0].store(to);
+                self.0[1].store(&mut to[$width..]);
+            }
+            #[inline(always)]
+            fn greater(self, other: Self) -> Self {
+                self.with(other, $t::greater)
+            }
+            #[inline(always)]
+            fn gather(x: &[$r], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
+                for m in 0..2 {
+                    let count = columns.len();
+                    $t::gather_each(
+                        x,
+                        #[inline(always)]
+                        |lane| starts(m * $width + lane),
+                        count,
+                        #[inline(always)]
+                        |i, column| columns[i].0[m] = column,
+                    );
                 }
             }
             #[inline(always)]
             fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
-                let mut rows = [None; $width];
-                for (lane, row) in rows.iter_mut().enumerate() {
-                    *row = starts(lane);
-                }
-                // From behind, for elements share their end nodes: of two that meet the first adds first, as
-                // where they come one by one.
-                let (whole, rest) = columns.as_chunks::<TILE>();
-                for (j, column) in rest.iter().enumerate() {
-                    let values = column.to_array();
-                    for lane in 0..$width {
-                        if let Some(start) = rows[lane] {
-                            x[start + TILE * whole.len() + j] += values[lane];
-                        }
-                    }
-                }
-                for (b, block) in whole.iter().enumerate().rev() {
-                    let mut values = [[0.0; $width]; TILE];
-                    for j in 0..TILE {
-                        block[j].store(&mut values[j]);
-                    }
-                    for first in (0..$width).step_by(TILE) {
-                        let mut tile = [[0.0; TILE]; TILE];
-                        for j in 0..TILE {
-                            tile[j].copy_from_slice(&values[j][first..first + TILE]);
-                        }
-                        unsafe { $tile(&mut tile) };
-                        for lane in 0..TILE {
-                            if let Some(start) = rows[first + lane] {
-                                let row = &mut x[start + TILE * b..][..TILE];
-                                for j in 0..TILE {
-                                    row[j] += tile[lane][j];
-                                }
-                            }
-                        }
-                    }
+                // The elements of the first register add first, as where they come one by one.
+                for m in 0..2 {
+                    $t::scatter_each(
+                        columns.len(),
+                        #[inline(always)]
+                        |i| columns[i].0[m],
+                        x,
+                        #[inline(always)]
+                        |lane| starts(m * $width + lane),
+                    );
                 }
             }
         }
@@ -323,3 +431,5 @@ register!(
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_fmadd_ps
     _mm512_max_ps
 );
+register!(@two F64x4, f64, 4, 8, "avx2,fma", in_pair_f64x4);
+register!(@two F32x8, f32, 8, 16, "avx2,fma", in_pair_f32x8);

@@ -6,7 +6,7 @@ use super::super::basis::Basis;
 use super::super::point::{first_column, material_frame};
 use super::super::products::{Products, Vectors, vanishes};
 use super::super::sampled::Sample;
-use super::{GramKernel, Group, Terms};
+use super::{GramKernel, Group, ROWS, Terms};
 use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
@@ -122,8 +122,8 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
             }
         };
         let couples = |p: usize, q: usize| !vanishes(entry(p, q));
-        let met = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
-        let mut left: Vec<usize> = (0..all.len()).filter(met).collect();
+        let strained = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
+        let mut left: Vec<usize> = (0..all.len()).filter(strained).collect();
         let (mut groups, mut form) = (Vec::new(), Vec::new());
         while let Some(first) = left.first().copied() {
             let mut group = vec![first];
@@ -136,15 +136,13 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                 n += 1;
             }
             group.sort_unstable_by_key(|p| (all[*p].0 != all[*p].1, *p));
-            let place = |(i, j): (usize, usize)| if i == j { i } else { j * S + i };
             groups.push(Group {
-                pairs: group.iter().map(|p| all[*p].0 * S + all[*p].1).collect(),
-                own: group.iter().filter(|p| all[**p].0 == all[**p].1).count(),
-                changes: group.iter().map(|p| place(all[*p])).collect(),
+                pairs: group.iter().map(|p| all[*p]).collect(),
                 form: form.len(),
             });
-            for p in &group {
-                form.extend(group.iter().map(|q| entry(*p, *q)));
+            for rows in group.chunks(ROWS) {
+                let columns = group.iter();
+                form.extend(columns.flat_map(|q| rows.iter().map(|p| entry(*p, *q))));
             }
         }
         (groups, form)
@@ -157,15 +155,14 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     ) -> GramKernel<R, P, D, S> {
         let basis = Basis::of::<E, D, S>(reference.length);
         let (groups, mut form) = self.groups();
-        let terms = Terms::new::<R, S>(&groups, &form);
+        let at_once = GramKernel::<R, P, D, S>::AT_ONCE;
+        let terms = Terms::new::<R, S>(&groups, &form, at_once);
         form.push(R::zero());
-        let pairs: Vec<usize> = groups.iter().flat_map(|g| &g.pairs).copied().collect();
-        let met = |i| pairs.iter().any(|pair| pair / S == i || pair % S == i);
-        let vectors = Vectors::new(basis, reference, array(met));
+        let pairs = groups.iter().flat_map(|group| &group.pairs).copied();
+        let vectors = Vectors::new(basis, reference, pairs);
         GramKernel {
             products: P::new(&vectors),
             vectors,
-            groups,
             form,
             terms,
         }
