@@ -221,9 +221,8 @@ where
     Kn: ElementKernel<f64, D, S>,
 {
     let count = flops(kernel, TANGENT);
-    let timed = |times| Timed::<_, TANGENT, TANGENT, D, S> { kernel, times };
-    let (alone, _) = best(|times| timed(times).run::<f64>());
-    let (group, width) = best(|times| f64::dispatch(timed(times)));
+    let (alone, _) = best(|times| timed::alone::<f64, _, TANGENT, D, S>(kernel, times));
+    let (group, width) = best(|times| kernel.dispatch(Timed::<TANGENT> { times }));
     let lanes = group / width as f64;
     let flops = count.flops() as f64;
     let what = if TANGENT { "tangent" } else { "force" };

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use ancf::formulation::{ElementKernel, Reference};
 use ancf::prelude::*;
-use ancf::scalar::LaneWork;
+use ancf::scalar::Registers;
 use ancf::solver::Matrix;
 use ancf::verify::ByPoints;
 use criterion::measurement::WallTime;
@@ -40,35 +40,12 @@ fn alone<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
 {
     group.throughput(Throughput::Elements(1));
     group.bench_function(name, |b| {
-        b.iter_custom(|times| {
-            Timed::<_, TANGENT, true, D, S> { kernel, times }
-                .run::<R>()
-                .1
-        });
+        b.iter_custom(|times| timed::alone::<R, _, TANGENT, D, S>(kernel, times).1);
     });
 }
 
-/// One kernel, force or tangent, in the lanes of AVX2 (`HEAVY`) or of the widest registers.
-fn lanes<R, Kn, const TANGENT: bool, const HEAVY: bool, const D: usize, const S: usize>(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    what: &str,
-    kernel: &Kn,
-) -> usize
-where
-    R: Real,
-    Kn: ElementKernel<R, D, S>,
-{
-    let timed = |times| Timed::<_, TANGENT, HEAVY, D, S> { kernel, times };
-    let (width, _) = R::dispatch(timed(1));
-    group.throughput(Throughput::Elements(width as u64));
-    group.bench_function(BenchmarkId::new(what, format!("{width} lanes")), |b| {
-        b.iter_custom(|times| R::dispatch(timed(times)).1);
-    });
-    width
-}
-
-/// One kernel, force or tangent: alone, and in lanes as chains have it, forces in those of
-/// AVX2, too.
+/// One kernel, force or tangent: alone, and in lanes as chains have it, of AVX2 and of the widest
+/// registers, which tangents do not use.
 fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     kernel: &Kn,
@@ -78,11 +55,20 @@ fn evaluation<R, Kn, const TANGENT: bool, const D: usize, const S: usize>(
 {
     let what = if TANGENT { "tangent" } else { "force" };
     alone::<R, _, TANGENT, D, S>(group, &format!("{what}/alone"), kernel);
-    let width = lanes::<R, _, TANGENT, true, D, S>(group, what, kernel);
-    let widest = R::dispatch(Timed::<_, TANGENT, TANGENT, D, S> { kernel, times: 1 }).0;
-    if widest > width {
-        lanes::<R, _, TANGENT, TANGENT, D, S>(group, what, kernel);
+    let timed = |times| kernel.dispatch(Timed::<TANGENT> { times });
+    let widest = Registers::widest();
+    let most = if TANGENT { Registers::Avx2 } else { widest };
+    for registers in Registers::available().filter(|one| *one > Registers::Baseline && *one <= most)
+    {
+        Registers::limit(registers);
+        let (width, _) = timed(1);
+        group.throughput(Throughput::Elements(width as u64));
+        let name = format!("{registers:?}, {width} elements");
+        group.bench_function(BenchmarkId::new(what, name), |b| {
+            b.iter_custom(|times| timed(times).1);
+        });
     }
+    Registers::limit(widest);
 }
 
 fn kernel<R, Kn, const D: usize, const S: usize>(c: &mut Criterion, name: &str, kernel: &Kn)

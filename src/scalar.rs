@@ -356,7 +356,7 @@ mod pack;
 mod registers;
 
 macro_rules! float {
-    ($($t:ty, $portable:ty, $run:ident, $pair:ident, $wide:ident);*) => {$(
+    ($($t:ty, $portable:ty, $run:ident, $both:ident, $wide:ident);*) => {$(
         impl Scalar for $t {
             #[inline(always)]
             fn lit(x: f64) -> Self {
@@ -381,9 +381,10 @@ macro_rules! float {
                 return match Registers::widest() {
                     Registers::Baseline => work.run_singly(),
                     // What is not called for is not compiled, either: a question of constants alone.
-                    // SAFETY, three times: the processor has the instructions.
+                    // SAFETY, four times: the processor has the instructions.
                     _ if W::HEAVY => unsafe { x86::$run(work) },
-                    Registers::Avx2 => unsafe { x86::$pair(work) },
+                    Registers::Avx2 if W::PAIRED => unsafe { x86::$both(work) },
+                    Registers::Avx2 => unsafe { x86::$run(work) },
                     Registers::Avx512 => unsafe { x86::$wide(work) },
                 };
                 #[cfg(not(target_arch = "x86_64"))]
@@ -393,7 +394,7 @@ macro_rules! float {
         plain!($t);
     )*};
 }
-float!(f32, WideF32x8, in_f32x8, in_pair_f32x8, in_f32x16; f64, WideF64x4, in_f64x4, in_pair_f64x4, in_f64x8);
+float!(f32, WideF32x8, in_f32x8, in_both_f32x8, in_f32x16; f64, WideF64x4, in_f64x4, in_both_f64x4, in_f64x8);
 
 impl<T: Scalar + DualNumCopy> Scalar for Dual<T> {
     #[inline]

@@ -9,7 +9,8 @@
 mod room;
 
 use crate::scalar::{Algebra, Field, Real, Scalar};
-pub use room::{Pairs, Room, Stack};
+pub(crate) use room::Pairs;
+pub use room::{Room, Stack};
 
 /// The array of `f(0)`, `f(1)`, ..: `std::array::from_fn` for kernels, which must be inlined whole to
 /// be compiled for the registers of lanes.

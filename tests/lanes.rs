@@ -4,7 +4,7 @@
 
 use ancf::formulation::{CableEnergy, ElementKernel, KernelWork, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::scalar::{LaneWork, Lanes};
+use ancf::scalar::{LaneWork, Lanes, Registers};
 use ancf::solver::Matrix;
 use ancf::verify::ByPoints;
 use simba::simd::{WideF32x8, WideF64x4};
@@ -93,10 +93,11 @@ fn lanes_compute_what_numbers_compute() {
 }
 
 /// Reads overlapping rows into columns and adds back those of some lanes.
-struct Exchange(usize);
+struct Exchange<const PAIRED: bool>(usize);
 
-impl<R: Real> LaneWork<R> for Exchange {
+impl<R: Real, const PAIRED: bool> LaneWork<R> for Exchange<PAIRED> {
     type Output = ();
+    const PAIRED: bool = PAIRED;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
@@ -123,11 +124,19 @@ impl<R: Real> LaneWork<R> for Exchange {
 #[test]
 fn rows_become_columns_and_rows_again() {
     for columns in 0..=13 {
-        f64::dispatch(Exchange(columns));
-        f32::dispatch(Exchange(columns));
-        LaneWork::<f64>::run::<WideF64x4>(Exchange(columns));
-        LaneWork::<f32>::run::<WideF32x8>(Exchange(columns));
-        LaneWork::<f64>::run::<f64>(Exchange(columns));
+        // Those of AVX2, too, of which every other test here gets the same bits.
+        let widest = Registers::widest();
+        for registers in Registers::available().filter(|one| *one > Registers::Baseline) {
+            Registers::limit(registers);
+            f64::dispatch(Exchange::<false>(columns));
+            f32::dispatch(Exchange::<false>(columns));
+            f64::dispatch(Exchange::<true>(columns));
+            f32::dispatch(Exchange::<true>(columns));
+        }
+        Registers::limit(widest);
+        LaneWork::<f64>::run::<WideF64x4>(Exchange::<false>(columns));
+        LaneWork::<f32>::run::<WideF32x8>(Exchange::<false>(columns));
+        LaneWork::<f64>::run::<f64>(Exchange::<false>(columns));
     }
 }
 

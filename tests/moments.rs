@@ -5,7 +5,7 @@
 
 use ancf::formulation::{ElementKernel, Reference, Tangent};
 use ancf::prelude::*;
-use ancf::verify::ByPoints;
+use ancf::verify::{self, ByPoints};
 use num_dual::{Dual, Dual64};
 use simba::simd::WideF64x4;
 
@@ -142,16 +142,26 @@ where
     Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, FullyParameterised, D, S>,
     Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
 {
-    let reference = Reference::straight(&FullyParameterised, R::lit(LENGTH), frame::<R, D>());
+    worst_of(FullyParameterised, lift, parts)
+}
+
+/// The same for another element.
+fn worst_of<R: Real, T: Algebra<R>, E, const D: usize, const S: usize>(
+    element: E,
+    lift: impl Fn(f64, usize) -> T,
+    parts: impl Fn(T) -> Vec<f64>,
+) -> f64
+where
+    E: Element<D, S>,
+    Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, E, D, S>,
+    Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, E, D, S>,
+{
+    let reference = Reference::straight(&element, R::lit(LENGTH), frame::<R, D>());
     let mut worst: f64 = 0.0;
     for section in sections::<R>() {
         for (plain, hidden) in remedies::<R, D>() {
-            let moments = plain
-                .kernel(&FullyParameterised, &reference, &*section)
-                .unwrap();
-            let points = hidden
-                .kernel(&FullyParameterised, &reference, &*section)
-                .unwrap();
+            let moments = plain.kernel(&element, &reference, &*section).unwrap();
+            let points = hidden.kernel(&element, &reference, &*section).unwrap();
             for (seed, size) in [1e-2, 0.5, 10.0].into_iter().enumerate() {
                 let values = state::<D, S>(size, seed);
                 let u =
@@ -175,6 +185,49 @@ fn moments_are_the_rule_in_double_precision() {
     assert!(
         space.max(plane) < UNITS * f64::EPSILON,
         "{space:e} {plane:e}"
+    );
+}
+
+/// A planar element of three nodes, each with all its slopes: an odd number of nodal vectors.
+#[derive(Debug, Clone, Copy)]
+struct ThreeNodes;
+
+impl Element<2, 9> for ThreeNodes {
+    const NODES: usize = 3;
+    const VECTORS: &'static [NodalVector] = &[
+        NodalVector::Position,
+        NodalVector::Slope(0),
+        NodalVector::Slope(1),
+    ];
+    const AXIAL_DEGREE: usize = 5;
+
+    fn shape<T: Scalar>(&self, l: T, [xi, eta]: [T; 2]) -> [T; 9] {
+        let lit = T::lit;
+        // Each node with its Lagrange polynomial and the slope of this there.
+        let nodes = [
+            (lit(0.0), lit(2.0) * (xi - lit(0.5)) * (xi - lit(1.0)), -3.0),
+            (lit(0.5), lit(4.0) * xi * (lit(1.0) - xi), 0.0),
+            (lit(1.0), lit(2.0) * xi * (xi - lit(0.5)), 3.0),
+        ];
+        let mut shape = [T::zero(); 9];
+        for (vectors, (at, lagrange, slope)) in shape.chunks_mut(3).zip(nodes) {
+            let square = lagrange * lagrange;
+            vectors[0] = (T::one() - lit(2.0 * slope) * (xi - at)) * square;
+            vectors[1] = l * (xi - at) * square;
+            vectors[2] = l * eta * lagrange;
+        }
+        shape
+    }
+}
+
+#[test]
+fn moments_are_the_rule_for_any_number_of_vectors() {
+    verify::element(&ThreeNodes, LENGTH).into_result().unwrap();
+    let alone = worst_of::<f64, f64, _, 2, 9>(ThreeNodes, |x, _| x, |x| vec![x]);
+    let quadratic = worst_of::<f64, f64, _, 3, 9>(Quadratic, |x, _| x, |x| vec![x]);
+    assert!(
+        alone.max(quadratic) < UNITS * f64::EPSILON,
+        "{alone:e} {quadratic:e}"
     );
 }
 

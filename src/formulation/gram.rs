@@ -71,8 +71,8 @@ struct Terms {
     /// Vectors of which strain is made, from the first to the last: all but the first position of a
     /// complete element.
     met: Range<usize>,
-    /// For forces on nodal vectors, some rows at a time, column by column where what is conjugate to the
-    /// product of two vectors is, or a zero.
+    /// Where what is conjugate to the product of two vectors is, or a zero: for forces on some vectors at
+    /// once, by those they are sums of.
     forces: Vec<Place>,
     blocks: Vec<Block>,
     pairs: Vec<Dyad<1>>,
@@ -377,11 +377,12 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         }
     }
 
-    /// What is conjugate to the products and a zero, as [`stress`](Self::stress) left them.
+    /// The changes of the products, and what is conjugate to them and a zero, as [`stress`](Self::stress)
+    /// left them.
     #[inline(always)]
-    fn stress_on<'s, T: Copy>(&self, stack: &'s Stack<'_, T>) -> &'s [T] {
+    fn halves<'s, T: Copy>(stack: &'s Stack<'_, T>) -> (&'s [T], &'s [T]) {
         let all = stack.numbers();
-        &all[all.len() / 2..]
+        all.split_at(all.len() / 2)
     }
 }
 
@@ -390,7 +391,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
 {
     #[inline(always)]
     fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
-        work.run_in_lanes(self)
+        work.run_in_pairs(self)
     }
 
     #[inline(always)]
@@ -399,7 +400,8 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let mut stack = products.stack();
         self.strain(u, &mut stack, &mut vectors);
         let mut twice = T::zero();
-        for (change, stress) in stack.numbers().iter().zip(self.stress_on(&stack)) {
+        let (changes, stress) = Self::halves(&stack);
+        for (change, stress) in changes.iter().zip(stress) {
             twice = twice.plus_product(*change, *stress);
         }
         twice.times(R::lit(0.5))
@@ -410,7 +412,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
         let mut stack = products.stack();
         let v = self.strain(u, &mut stack, &mut vectors);
-        self.add_force(self.stress_on(&stack), v, q);
+        self.add_force(Self::halves(&stack).1, v, q);
     }
 
     #[inline(always)]
@@ -423,7 +425,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
         let mut stack = products.stack();
         let v = self.strain(u, &mut stack, &mut vectors);
-        let stress = self.stress_on(&stack);
+        let (_, stress) = Self::halves(&stack);
         self.add_force(stress, v, q);
         mirrored(
             k,
@@ -437,7 +439,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (mut products, mut vectors) = (Room::<Pairs<T, S>>::new(), Room::new());
         let mut stack = products.stack();
         let v = self.strain(u, &mut stack, &mut vectors);
-        self.upper_of(self.stress_on(&stack), v, k);
+        self.upper_of(Self::halves(&stack).1, v, k);
     }
 
     fn has_strain(&self) -> bool {
@@ -456,7 +458,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (mut products, mut rooms) = (Room::<Pairs<T, S>>::new(), [Room::new(), Room::new()]);
         let mut stack = products.stack();
         let [from, to] = self.secant_stress(viscosity, [from, to], &mut stack, &mut rooms);
-        let stress = self.stress_on(&stack);
+        let (_, stress) = Self::halves(&stack);
         self.add_force(stress, &between(from, to, R::lit(0.5)), q);
     }
 
@@ -472,7 +474,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (mut products, mut rooms) = (Room::<Pairs<T, S>>::new(), [Room::new(), Room::new()]);
         let mut stack = products.stack();
         let [from, to] = self.secant_stress(viscosity, [from, to], &mut stack, &mut rooms);
-        let stress = self.stress_on(&stack);
+        let (_, stress) = Self::halves(&stack);
         let middle = between(from, to, half);
         let share = half + viscosity;
         let mut relative: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];

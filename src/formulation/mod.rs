@@ -154,17 +154,24 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     /// Does the work in the lanes that suit the processor best, for elements that share a kernel.
     #[inline]
     fn run_in_lanes<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
-        R::dispatch(OfKernel { work: self, kernel })
+        R::dispatch(OfKernel::<_, _, false, D, S> { work: self, kernel })
+    }
+
+    /// The same in two registers of AVX2 at once, as in [`LaneWork::PAIRED`].
+    #[inline]
+    fn run_in_pairs<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
+        R::dispatch(OfKernel::<_, _, true, D, S> { work: self, kernel })
     }
 }
 
 /// Work with the kernel that it is done with.
-struct OfKernel<'a, W, K, const D: usize, const S: usize> {
+struct OfKernel<'a, W, K, const PAIRED: bool, const D: usize, const S: usize> {
     work: W,
     kernel: &'a K,
 }
 
-impl<R, W, K, const D: usize, const S: usize> LaneWork<R> for OfKernel<'_, W, K, D, S>
+impl<R, W, K, const PAIRED: bool, const D: usize, const S: usize> LaneWork<R>
+    for OfKernel<'_, W, K, PAIRED, D, S>
 where
     R: Real,
     W: KernelWork<R, D, S>,
@@ -172,6 +179,7 @@ where
 {
     type Output = W::Output;
     const HEAVY: bool = W::HEAVY;
+    const PAIRED: bool = PAIRED;
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> W::Output {
@@ -187,7 +195,8 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + Sized + 'static
 {
     /// Runs work on elements that share this kernel: one element after the other, unless the kernel
-    /// asks for SIMD lanes by [`KernelWork::run_in_lanes`]. Worth it only where every function
+    /// asks for SIMD lanes by [`KernelWork::run_in_lanes`] or, where sums stay in registers,
+    /// [`KernelWork::run_in_pairs`]. Worth it only where every function
     /// down to the arithmetic is inlined (`#[inline(always)]`): lanes are compiled for the
     /// processor's widest registers inside one function, and what is called from there crosses over
     /// at a price. A kernel that is one of several hands the work to the one it is.

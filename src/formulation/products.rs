@@ -22,8 +22,8 @@ pub struct Vectors<R, const D: usize, const S: usize> {
 /// The scalar product of two vectors.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
-    i: usize,
-    j: usize,
+    i: u32,
+    j: u32,
     /// Whether one of them is zero in the reference state.
     bare: bool,
 }
@@ -44,9 +44,9 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
             }
         }
         let bare = reference.map(|vector| vector.iter().all(|c| vanishes(*c)));
-        let pair = |(i, j)| Pair {
-            i,
-            j,
+        let pair = |(i, j): (usize, usize)| Pair {
+            i: i as u32,
+            j: j as u32,
             bare: bare[i] || bare[j],
         };
         Self {
@@ -91,7 +91,7 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
             #[inline(always)]
             |pair| {
                 // The minima are identities; they let the optimiser drop the bounds checks.
-                let (i, j) = (pair.i.min(S - 1), pair.j.min(S - 1));
+                let (i, j) = ((pair.i as usize).min(S - 1), (pair.j as usize).min(S - 1));
                 let change = match pair.bare {
                     true => dot(&v[i], &v[j]),
                     false => change(i, j),

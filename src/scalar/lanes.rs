@@ -65,6 +65,10 @@ pub trait LaneWork<R> {
     /// over those of AVX2 but machine code.
     const HEAVY: bool = false;
 
+    /// Whether work that is not heavy goes through two registers of AVX2 at once, which halves what is not
+    /// arithmetic. Worth it only where sums stay in registers and all that is called is inlined.
+    const PAIRED: bool = false;
+
     /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), and so must what
     /// it calls, to be compiled for the registers that `L` stands for.
     fn run<L: Lanes<R>>(self) -> Self::Output;

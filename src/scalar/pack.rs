@@ -16,6 +16,7 @@ use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use super::lanes::blocks;
 use super::mask::{Mask, parted};
 use super::{Algebra, Field, Jet, LaneWork, Lanes, Real, Registers, Scalar, jet};
+use crate::tensor::array;
 
 /// `N` numbers that go through a computation together.
 ///
@@ -45,14 +46,14 @@ pub(super) struct Wide<L, const C: usize>(pub(super) [L; C]);
 impl<L: Copy, const C: usize> Wide<L, C> {
     #[inline(always)]
     fn map(self, f: impl Fn(L) -> L) -> Self {
-        Self(std::array::from_fn(
+        Self(array(
             #[inline(always)]
             |m| f(self.0[m]),
         ))
     }
     #[inline(always)]
     pub(super) fn with(self, other: Self, f: impl Fn(L, L) -> L) -> Self {
-        Self(std::array::from_fn(
+        Self(array(
             #[inline(always)]
             |m| f(self.0[m], other.0[m]),
         ))
@@ -111,7 +112,7 @@ impl<L: Field, const C: usize> Scalar for Wide<L, C> {
     }
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
-        Self(std::array::from_fn(
+        Self(array(
             #[inline(always)]
             |m| self.0[m].plus_product(a.0[m], b.0[m]),
         ))
@@ -148,7 +149,7 @@ impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Algebra<Pack<R, N>> f
     #[inline(always)]
     fn lift(pack: Pack<R, N>) -> Self {
         const { assert!(C * L::WIDTH == N) };
-        Self(std::array::from_fn(
+        Self(array(
             #[inline(always)]
             |m| L::load(&pack.0[m * L::WIDTH..]),
         ))

@@ -13,9 +13,10 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub enum Registers {
     /// What every processor has: one number at a time, without fused multiply-add.
     Baseline,
-    /// AVX2 with fused multiply-add, those of x86-64-v3: four lanes of `f64`, eight of `f32`.
+    /// AVX2 with fused multiply-add, those of x86-64-v3, which hold four numbers in `f64` and eight in `f32`;
+    /// forces of continua of constant elasticity go through two at once.
     Avx2,
-    /// AVX-512: twice as many. Work on far more numbers than registers hold, tangents and factorisation,
+    /// AVX-512, which hold twice as many. Work on far more numbers than registers hold, tangents and factorisation,
     /// gains nothing by them and keeps to AVX2, but for packs.
     Avx512,
 }

@@ -24,14 +24,16 @@ impl<T: Copy, const N: usize> Room<[T; N]> {
     pub(crate) fn fill(&mut self, put: impl FnOnce(&mut Stack<'_, T>)) -> &mut [T; N] {
         let first = self.0.as_mut_ptr().cast();
         let mut stack = Stack {
-            // SAFETY: nothing is said of what is in it.
+            // SAFETY: so long is the array, which is borrowed alone, and nothing is said of what is in it.
             room: unsafe { std::slice::from_raw_parts_mut(first, N) },
             count: 0,
         };
         put(&mut stack);
-        assert!(stack.count == N, "a full array");
-        // SAFETY: all of it has been written.
-        unsafe { self.0.assume_init_mut() }
+        // Of what the stack holds, for `put` may have made it another.
+        let Stack { room, count } = stack;
+        assert!(count == N && room.len() >= N, "a full array");
+        // SAFETY: so many have been written.
+        unsafe { &mut *room.as_mut_ptr().cast() }
     }
 }
 
@@ -46,7 +48,8 @@ impl<T: Copy, const S: usize> Room<Pairs<T, S>> {
     pub(crate) fn stack(&mut self) -> Stack<'_, T> {
         let first = self.0.as_mut_ptr().cast();
         Stack {
-            // SAFETY: the numbers follow each other without gaps, and nothing is said of what is in them.
+            // SAFETY: so many numbers follow each other without gaps, they are borrowed alone, and nothing is
+            // said of what is in them.
             room: unsafe { std::slice::from_raw_parts_mut(first, S * (S + 1) + 1) },
             count: 0,
         }
@@ -149,5 +152,11 @@ mod tests {
         }));
         assert!(less.is_err());
         assert_eq!(room.fill(|stack| stack.push([1, 2, 3])), &[1, 2, 3]);
+        let other = Box::leak(Box::new(Room::<Pairs<u64, 1>>::new()));
+        let swapped = room.fill(|stack| {
+            *stack = other.stack();
+            stack.push([4, 5, 6]);
+        });
+        assert_eq!(swapped, &[4, 5, 6]);
     }
 }
