@@ -66,7 +66,8 @@ pub trait LaneWork<R> {
     const HEAVY: bool = false;
 
     /// Whether work that is not heavy goes through two registers of AVX2 at once, which halves what is not
-    /// arithmetic. Worth it only where sums stay in registers and all that is called is inlined.
+    /// arithmetic. Worth it only where sums stay in registers and all that is called is inlined; a few
+    /// elements fill half of the lanes.
     const PAIRED: bool = false;
 
     /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), and so must what
