@@ -394,7 +394,10 @@ macro_rules! float {
         plain!($t);
     )*};
 }
-float!(f32, WideF32x8, in_f32x8, in_both_f32x8, in_f32x16; f64, WideF64x4, in_f64x4, in_both_f64x4, in_f64x8);
+float!(
+    f32, WideF32x8, in_f32x8, in_both_f32x8, in_f32x16;
+    f64, WideF64x4, in_f64x4, in_both_f64x4, in_f64x8
+);
 
 impl<T: Scalar + DualNumCopy> Scalar for Dual<T> {
     #[inline]

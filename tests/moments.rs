@@ -133,20 +133,7 @@ where
 }
 
 /// Largest difference over all sections, remedies and three states: small, large, absurd.
-fn worst<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
-    lift: impl Fn(f64, usize) -> T,
-    parts: impl Fn(T) -> Vec<f64>,
-) -> f64
-where
-    FullyParameterised: Element<D, S>,
-    Continuum<SaintVenantKirchhoff<R, D>>: Formulation<R, FullyParameterised, D, S>,
-    Continuum<ByPoints<SaintVenantKirchhoff<R, D>>>: Formulation<R, FullyParameterised, D, S>,
-{
-    worst_of(FullyParameterised, lift, parts)
-}
-
-/// The same for another element.
-fn worst_of<R: Real, T: Algebra<R>, E, const D: usize, const S: usize>(
+fn worst<R: Real, T: Algebra<R>, E, const D: usize, const S: usize>(
     element: E,
     lift: impl Fn(f64, usize) -> T,
     parts: impl Fn(T) -> Vec<f64>,
@@ -180,8 +167,8 @@ const UNITS: f64 = 200.0;
 #[test]
 fn moments_are_the_rule_in_double_precision() {
     let real = |x: f64| vec![x];
-    let space = worst::<f64, f64, 3, 8>(|x, _| x, real);
-    let plane = worst::<f64, f64, 2, 6>(|x, _| x, real);
+    let space = worst::<f64, f64, _, 3, 8>(FullyParameterised, |x, _| x, real);
+    let plane = worst::<f64, f64, _, 2, 6>(FullyParameterised, |x, _| x, real);
     assert!(
         space.max(plane) < UNITS * f64::EPSILON,
         "{space:e} {plane:e}"
@@ -223,8 +210,8 @@ impl Element<2, 9> for ThreeNodes {
 #[test]
 fn moments_are_the_rule_for_any_number_of_vectors() {
     verify::element(&ThreeNodes, LENGTH).into_result().unwrap();
-    let alone = worst_of::<f64, f64, _, 2, 9>(ThreeNodes, |x, _| x, |x| vec![x]);
-    let quadratic = worst_of::<f64, f64, _, 3, 9>(Quadratic, |x, _| x, |x| vec![x]);
+    let alone = worst::<f64, f64, _, 2, 9>(ThreeNodes, |x, _| x, |x| vec![x]);
+    let quadratic = worst::<f64, f64, _, 3, 9>(Quadratic, |x, _| x, |x| vec![x]);
     assert!(
         alone.max(quadratic) < UNITS * f64::EPSILON,
         "{alone:e} {quadratic:e}"
@@ -234,8 +221,8 @@ fn moments_are_the_rule_for_any_number_of_vectors() {
 #[test]
 fn moments_are_the_rule_in_single_precision() {
     let real = |x: f32| vec![f64::from(x)];
-    let space = worst::<f32, f32, 3, 8>(|x, _| x as f32, real);
-    let plane = worst::<f32, f32, 2, 6>(|x, _| x as f32, real);
+    let space = worst::<f32, f32, _, 3, 8>(FullyParameterised, |x, _| x as f32, real);
+    let plane = worst::<f32, f32, _, 2, 6>(FullyParameterised, |x, _| x as f32, real);
     let unit = f64::from(f32::EPSILON);
     assert!(space.max(plane) < UNITS * unit, "{space:e} {plane:e}");
 }
@@ -244,8 +231,8 @@ fn moments_are_the_rule_in_single_precision() {
 fn moments_are_the_rule_in_dual_numbers() {
     let dual = |x: f64, i: usize| Dual64::new(x, (1.3 * i as f64).cos());
     let both = |x: Dual64| vec![x.re, x.eps];
-    let inner = worst::<f64, Dual64, 3, 8>(dual, both);
-    let outer = worst::<Dual<f64>, Dual<f64>, 2, 6>(dual, both);
+    let inner = worst::<f64, Dual64, _, 3, 8>(FullyParameterised, dual, both);
+    let outer = worst::<Dual<f64>, Dual<f64>, _, 2, 6>(FullyParameterised, dual, both);
     assert!(
         inner.max(outer) < UNITS * f64::EPSILON,
         "{inner:e} {outer:e}"
@@ -256,8 +243,8 @@ fn moments_are_the_rule_in_dual_numbers() {
 fn moments_are_the_rule_in_lanes() {
     let lanes = |x: f64, _| WideF64x4::from([x, 2.0 * x, -x, 0.1 * x]);
     let parts = |x: WideF64x4| <[f64; 4]>::from(x.0).to_vec();
-    let space = worst::<f64, WideF64x4, 3, 8>(lanes, parts);
-    let plane = worst::<f64, WideF64x4, 2, 6>(lanes, parts);
+    let space = worst::<f64, WideF64x4, _, 3, 8>(FullyParameterised, lanes, parts);
+    let plane = worst::<f64, WideF64x4, _, 2, 6>(FullyParameterised, lanes, parts);
     assert!(
         space.max(plane) < UNITS * f64::EPSILON,
         "{space:e} {plane:e}"
@@ -273,7 +260,7 @@ mod precise {
     fn moments_are_the_rule_in_double_doubles() {
         let real = |x: DoubleDouble| vec![x.value()];
         let lift = |x, _| DoubleDouble::lit(x);
-        let space = worst::<DoubleDouble, DoubleDouble, 3, 8>(lift, real);
+        let space = worst::<DoubleDouble, DoubleDouble, _, 3, 8>(FullyParameterised, lift, real);
         // Compared in f64, whose rounding is all there is to see.
         assert!(space < 4.0 * f64::EPSILON, "{space:e}");
     }

@@ -105,7 +105,7 @@ impl Terms {
         };
         let place = |at: usize| at as Place;
         let all: Vec<_> = groups.iter().flat_map(|group| &group.pairs).collect();
-        let stress_of = |i: usize, j: usize| {
+        let place_of = |i: usize, j: usize| {
             let pair = (i.min(j), i.max(j));
             place(all.iter().position(|p| **p == pair).unwrap_or(all.len()))
         };
@@ -117,7 +117,7 @@ impl Terms {
         let mut forces = Vec::new();
         for rows in whole.chunks(at_once).chain(rest.chunks(1)) {
             let columns = met.clone();
-            forces.extend(columns.flat_map(|j| rows.iter().map(move |i| stress_of(*i, j))));
+            forces.extend(columns.flat_map(|j| rows.iter().map(move |i| place_of(*i, j))));
         }
         let (mut blocks, mut pairs, mut sums) = (Vec::new(), Vec::new(), Vec::new());
         let mut rights = Vec::new();
@@ -151,7 +151,7 @@ impl Terms {
             blocks.push(Block {
                 row,
                 column,
-                stress: stress_of(row, column),
+                stress: place_of(row, column),
                 pairs: first_pair..pairs.len(),
                 sums: first_sum..sums.len(),
             });
@@ -268,6 +268,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
                 stack.push(stress);
             }
             let changes = &stack.numbers()[group];
+            const { assert!(ROWS == 4, "an arm for each rest") };
             match count % ROWS {
                 3 => stack.push(stress_of::<R, T, 3>(&mut form, changes)),
                 2 => stack.push(stress_of::<R, T, 2>(&mut form, changes)),

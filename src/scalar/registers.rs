@@ -16,8 +16,8 @@ pub enum Registers {
     /// AVX2 with fused multiply-add, those of x86-64-v3, which hold four numbers in `f64` and eight in `f32`;
     /// forces of continua of constant elasticity go through two at once.
     Avx2,
-    /// AVX-512, which hold twice as many. Work on far more numbers than registers hold, tangents and factorisation,
-    /// gains nothing by them and keeps to AVX2, but for packs.
+    /// AVX-512, which hold twice as many. Work on far more numbers than registers hold, tangents and
+    /// factorisation, gains nothing by them and keeps to AVX2, but for packs.
     Avx512,
 }
 
