@@ -249,6 +249,12 @@ pub trait Real: Algebra<Self> + DualNumCopy {
     fn dispatch<W: LaneWork<Self>>(work: W) -> W::Output {
         work.run_singly()
     }
+    /// Runs `work` on one number at a time, where those of one computation have no lanes: packs in their
+    /// registers, rounded as the number of each lane would be alone.
+    #[inline]
+    fn dispatch_singly<W: LaneWork<Self>>(work: W) -> W::Output {
+        work.run_singly()
+    }
     /// The circle constant, to the last digit of the type.
     fn pi() -> Self {
         // The sine of the rounded value is what the rounding left out.

@@ -64,6 +64,30 @@ impl Experiment<3> for Bracket {
     }
 }
 
+/// The crown of an arch for `[E, R, load]`, clamped at its ends. Each of its elements has a kernel of its
+/// own, which has no lanes in plain numbers.
+struct Arch;
+
+impl Experiment<3> for Arch {
+    fn run<R: Real>(&self, [young, radius, load]: [R; 3]) -> Result<Vec<R>> {
+        let rubber = SaintVenantKirchhoff::isotropic(young, R::lit(0.3))?;
+        let formulation = Continuum::selective_reduced(rubber);
+        let beam = Beam::new(FullyParameterised, Disk::new(radius)?, formulation);
+        let mut scene = Scene::<R, 2>::new();
+        let arch = scene.add(beam.curved(R::pi(), 4, |s| {
+            let (sin, cos) = (Field::sin(s * R::pi()), Field::cos(s * R::pi()));
+            ([-cos, sin], [[sin, cos], [-cos, sin]])
+        }))?;
+        scene.clamp(arch.start())?;
+        scene.clamp(arch.end())?;
+        scene.force(arch.node(2), [R::zero(), -load])?;
+        let system = scene.assemble()?;
+        let mut state = system.rest();
+        Statics::in_steps(3).solve(&system, &mut state)?;
+        Ok(system.position(&state, arch.node(2))?.to_vec())
+    }
+}
+
 macro_rules! pendulum {
     ($($scheme:ty),*) => {$(
         impl Experiment<2> for Pendulum<$scheme> {
@@ -190,6 +214,15 @@ fn statics_stay_together_in_lanes() {
     let differ = iterations.iter().any(|other| *other != iterations[0]);
     assert!(differ, "no lane waits: {iterations:?}");
     check_together(&Cantilever::<3>, row);
+}
+
+/// Packs are in registers there, too, and round as the plain numbers do.
+#[test]
+fn elements_with_kernels_of_their_own_stay_together_in_lanes() {
+    check_together(&Arch, |lane| {
+        let by = |share: f64| 1.0 + share * lane as f64;
+        [1e7 * by(0.05), 0.02 * by(0.02), 0.5 * by(0.1)]
+    });
 }
 
 #[test]

@@ -147,7 +147,7 @@ impl<R: Real, const D: usize, const S: usize> KernelWork<R, D, S> for Width {
     type Output = usize;
 
     #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, _kernels: &[K]) -> usize {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, _kernel: &K) -> usize {
         L::WIDTH
     }
 }

@@ -27,16 +27,16 @@ impl<R: Real, const TANGENT: bool, const D: usize, const S: usize> KernelWork<R,
     const HEAVY: bool = TANGENT;
 
     #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> (usize, Duration) {
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernel: &K) -> (usize, Duration) {
         let u: [[L; D]; S] = bent::<R, L, D, S>();
         let mut k: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
         let start = Instant::now();
         for _ in 0..self.times {
             let mut q = [[L::zero(); D]; S];
             if TANGENT {
-                kernels[0].upper_tangent(black_box(&u), &mut k);
+                kernel.upper_tangent(black_box(&u), &mut k);
             } else {
-                kernels[0].force(black_box(&u), &mut q);
+                kernel.force(black_box(&u), &mut q);
             }
             black_box((&q, &k));
         }
@@ -54,5 +54,5 @@ where
     K: ElementKernel<R, D, S>,
 {
     let work = Timed::<TANGENT> { times };
-    KernelWork::<R, D, S>::run::<R, K>(work, std::slice::from_ref(kernel))
+    KernelWork::<R, D, S>::run::<R, K>(work, kernel)
 }

@@ -218,6 +218,14 @@ impl<M> Continuum<M> {
         if let Some(form) = self.form::<R, E, D, S, K>(element, reference, section)? {
             return Ok(Either::First(Either::First(form.kernel::<E, _>(reference))));
         }
+        if M::CONSTANT {
+            return Err(Error::Unsupported {
+                what: format!(
+                    "{self:?}, of a material that is CONSTANT and has no constant_elasticity"
+                ),
+                remedy: "give the moduli of a material whose elasticity is constant, or leave Material::CONSTANT false",
+            });
+        }
         Ok(Either::Second(match reference.is_straight() {
             true => Either::First(self.sampled_kernel(element, reference, section)?),
             false => Either::Second(self.sampled_kernel(element, reference, section)?),

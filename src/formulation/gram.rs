@@ -9,7 +9,7 @@ mod form;
 use std::ops::Range;
 
 use super::products::{Products, Vectors, vanishes};
-use super::{ElementKernel, KernelWork, Tangent, mirrored};
+use super::{ElementKernel, Tangent, Together, mirrored};
 use crate::scalar::{Algebra, Real, Scalar};
 use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, sum, times};
 pub(super) use form::Form;
@@ -390,10 +390,7 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
 impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKernel<R, D, S>
     for GramKernel<R, P, D, S>
 {
-    #[inline(always)]
-    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
-        work.run_in_pairs(self)
-    }
+    const TOGETHER: Together = Together::InPairs;
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {

@@ -24,6 +24,12 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     /// not, and machine code for each kind of register. By default they do not.
     const LANES: bool = false;
 
+    /// Whether no element is ever made of this law, whose functions are then not compiled where elements
+    /// sample it: that of a material that is integrated once, see [`Material::CONSTANT`].
+    ///
+    /// [`Material::CONSTANT`]: crate::material::Material::CONSTANT
+    const ABSENT: bool = false;
+
     /// Energy per unit length (J/m).
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T;
 

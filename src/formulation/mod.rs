@@ -133,7 +133,21 @@ impl<R: Real, const D: usize, const S: usize> Reference<R, D, S> {
     }
 }
 
-/// Work on elements of one type of kernel, as [`ElementKernel::dispatch`] runs it.
+/// How elements of one kernel go through work together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Together {
+    /// One after the other.
+    Never,
+    /// In the lanes of a register. Worth it only where every function down to the arithmetic is inlined
+    /// (`#[inline(always)]`): lanes are compiled for the processor's widest registers inside one
+    /// function, and what is called from there crosses over at a price.
+    InLanes,
+    /// In two registers at once where there are none as wide, as in [`LaneWork::PAIRED`]: worth it only
+    /// where sums stay in registers, too.
+    InPairs,
+}
+
+/// Work on elements that share a kernel, as [`ElementKernel::dispatch`] runs it.
 pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     /// What comes out.
     type Output;
@@ -141,37 +155,40 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     /// Whether the work holds far more numbers than registers do, as in [`LaneWork::HEAVY`].
     const HEAVY: bool = false;
 
-    /// Does the work in lanes of one type, with one kernel for all elements or one for each. Must be
-    /// inlined (`#[inline(always)]`), as in [`LaneWork::run`].
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Self::Output;
+    /// Whether there is but one element of this kernel, which has no other beside it in lanes.
+    #[inline(always)]
+    fn is_alone(&self) -> bool {
+        false
+    }
+
+    /// Does the work in lanes of one type. Must be inlined (`#[inline(always)]`), as in
+    /// [`LaneWork::run`].
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output;
 
     /// Does the work one element at a time: compiled once, wherever it is asked for.
     #[inline(never)]
-    fn run_singly<K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Self::Output {
-        self.run::<R, K>(kernels)
+    fn run_singly<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
+        self.run::<R, K>(kernel)
     }
 
-    /// Does the work in the lanes that suit the processor best, for elements that share a kernel.
+    /// Does the work as the kernel asks for, in the lanes that suit the processor best.
     #[inline]
-    fn run_in_lanes<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
-        R::dispatch(OfKernel::<_, _, false, D, S> { work: self, kernel })
-    }
-
-    /// The same in two registers of AVX2 at once, as in [`LaneWork::PAIRED`].
-    #[inline]
-    fn run_in_pairs<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
-        R::dispatch(OfKernel::<_, _, true, D, S> { work: self, kernel })
+    fn run_together<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
+        match K::TOGETHER {
+            Together::Never => self.run_singly(kernel),
+            _ if self.is_alone() => R::dispatch_singly(OfKernel { work: self, kernel }),
+            _ => R::dispatch(OfKernel { work: self, kernel }),
+        }
     }
 }
 
 /// Work with the kernel that it is done with.
-struct OfKernel<'a, W, K, const PAIRED: bool, const D: usize, const S: usize> {
+struct OfKernel<'a, W, K, const D: usize, const S: usize> {
     work: W,
     kernel: &'a K,
 }
 
-impl<R, W, K, const PAIRED: bool, const D: usize, const S: usize> LaneWork<R>
-    for OfKernel<'_, W, K, PAIRED, D, S>
+impl<R, W, K, const D: usize, const S: usize> LaneWork<R> for OfKernel<'_, W, K, D, S>
 where
     R: Real,
     W: KernelWork<R, D, S>,
@@ -179,11 +196,16 @@ where
 {
     type Output = W::Output;
     const HEAVY: bool = W::HEAVY;
-    const PAIRED: bool = PAIRED;
+    const PAIRED: bool = matches!(K::TOGETHER, Together::InPairs);
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> W::Output {
-        self.work.run::<L, K>(std::slice::from_ref(self.kernel))
+        self.work.run::<L, K>(self.kernel)
+    }
+
+    #[inline]
+    fn run_singly(self) -> W::Output {
+        self.work.run_singly(self.kernel)
     }
 }
 
@@ -194,15 +216,14 @@ where
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + Sized + 'static
 {
-    /// Runs work on elements that share this kernel: one element after the other, unless the kernel
-    /// asks for SIMD lanes by [`KernelWork::run_in_lanes`] or, where sums stay in registers,
-    /// [`KernelWork::run_in_pairs`]. Worth it only where every function
-    /// down to the arithmetic is inlined (`#[inline(always)]`): lanes are compiled for the
-    /// processor's widest registers inside one function, and what is called from there crosses over
-    /// at a price. A kernel that is one of several hands the work to the one it is.
+    /// How elements that share this kernel go through work together; by default one after the other.
+    const TOGETHER: Together = Together::Never;
+
+    /// Runs work on elements that share this kernel. A kernel that is one of several hands the work to
+    /// the one it is.
     #[inline(always)]
     fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
-        work.run_singly(std::slice::from_ref(self))
+        work.run_together(self)
     }
 
     /// Strain energy (J) (eq. 10).

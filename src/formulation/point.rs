@@ -89,6 +89,7 @@ where
     M: Material<R, D>,
 {
     const LANES: bool = M::LANES;
+    const ABSENT: bool = M::CONSTANT;
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, reference: &[[R; D]; K], h: &[[T; D]; K]) -> T {

@@ -10,11 +10,11 @@ use num_dual::HyperDual;
 
 use super::law::{SectionLaw, SectionStiffness};
 use super::relative::Positions;
-use super::{ElementKernel, KernelWork, Reference, Tangent, mirrored};
+use super::{ElementKernel, Reference, Tangent, Together, mirrored};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, Real};
+use crate::scalar::{Algebra, Real, Scalar};
 use crate::tensor::{add_scaled, add_times, array, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
@@ -301,15 +301,23 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
+    /// What a number type computes of stations. Of a law that no element has, nothing is compiled.
+    #[inline(always)]
+    fn at_stations<T: Scalar>(work: impl FnMut()) {
+        if !L::ABSENT {
+            T::outlined(work);
+        }
+    }
+
     /// Overwrites the upper blocks of the tangent; the force, relative to the first position.
     #[inline(always)]
     fn upper_of<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) -> [[T; D]; S] {
-        T::outlined(
+        let mut f = [[T::zero(); D]; S];
+        Self::at_stations::<T>(
             #[inline(always)]
             || {
                 let mut v = *u;
                 self.positions.make_relative(&mut v);
-                let mut f = [[T::zero(); D]; S];
                 for i in 0..S {
                     for row in &mut k[i] {
                         row[i..].fill([T::zero(); D]);
@@ -327,9 +335,9 @@ where
                     }
                 }
                 self.positions.finish_upper(k);
-                f
             },
-        )
+        );
+        f
     }
 }
 
@@ -339,36 +347,33 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    #[inline(always)]
-    fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
-        match L::LANES {
-            true => work.run_in_lanes(self),
-            false => work.run_singly(std::slice::from_ref(self)),
-        }
-    }
+    const TOGETHER: Together = match L::LANES && !L::ABSENT {
+        true => Together::InLanes,
+        false => Together::Never,
+    };
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
-        T::outlined(
+        let mut energy = T::zero();
+        Self::at_stations::<T>(
             #[inline(always)]
             || {
                 let mut v = *u;
                 self.positions.make_relative(&mut v);
-                let mut energy = T::zero();
                 for (law, batches) in &self.parts {
                     for station in batches.iter().flat_map(|batch| &batch.stations) {
                         let density = law.energy(&station.reference, &station.sample(&v));
                         energy = energy.plus_times(station.weight, density);
                     }
                 }
-                energy
             },
-        )
+        );
+        energy
     }
 
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        T::outlined(
+        Self::at_stations::<T>(
             #[inline(always)]
             || {
                 let mut v = *u;
@@ -421,7 +426,7 @@ where
         to: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
-        T::outlined(
+        Self::at_stations::<T>(
             #[inline(always)]
             || {
                 let (mut from, mut to) = (*from, *to);
@@ -448,7 +453,7 @@ where
         to: &[[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
-        T::outlined(
+        Self::at_stations::<T>(
             #[inline(always)]
             || {
                 let (mut from, mut to) = (*from, *to);

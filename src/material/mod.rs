@@ -57,6 +57,11 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
     /// [`SectionLaw::LANES`](crate::formulation::SectionLaw::LANES). By default they do not.
     const LANES: bool = false;
 
+    /// Whether all materials of this type have a [constant elasticity](Self::constant_elasticity): then
+    /// none is ever sampled by an element, and no program compiles what would. By default that is not
+    /// known. A beam of one that says so and has none is refused.
+    const CONSTANT: bool = false;
+
     /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012), as a function of all
     /// `D x D` components of the symmetric strain.
     fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T;

@@ -111,6 +111,7 @@ impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {
 
 impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
     const LANES: bool = true;
+    const CONSTANT: bool = true;
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, strain: &Tensor<T, D>) -> T {

@@ -40,10 +40,11 @@ pub trait Laned: Real {
 }
 
 /// `C` registers at once: of a [`Pack`], or of elements where two hide better what is not arithmetic.
+/// Products and sums are not `FUSED` where packs must round as plain numbers that have no lanes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wide<L, const C: usize>(pub(super) [L; C]);
+pub(super) struct Wide<L, const C: usize, const FUSED: bool = true>(pub(super) [L; C]);
 
-impl<L: Copy, const C: usize> Wide<L, C> {
+impl<L: Copy, const C: usize, const FUSED: bool> Wide<L, C, FUSED> {
     #[inline(always)]
     fn map(self, f: impl Fn(L) -> L) -> Self {
         Self(array(
@@ -62,14 +63,14 @@ impl<L: Copy, const C: usize> Wide<L, C> {
 
 macro_rules! wide_operators {
     ($($trait:ident $method:ident $assign:ident $assigned:ident;)*) => {$(
-        impl<L: Field, const C: usize> $trait for Wide<L, C> {
+        impl<L: Field, const C: usize, const FUSED: bool> $trait for Wide<L, C, FUSED> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 self.with(other, L::$method)
             }
         }
-        impl<L: Field, const C: usize> $assign for Wide<L, C> {
+        impl<L: Field, const C: usize, const FUSED: bool> $assign for Wide<L, C, FUSED> {
             #[inline(always)]
             fn $assigned(&mut self, other: Self) {
                 *self = $trait::$method(*self, other);
@@ -83,14 +84,14 @@ wide_operators! {
     Mul mul MulAssign mul_assign;
     Div div DivAssign div_assign;
 }
-impl<L: Field, const C: usize> Neg for Wide<L, C> {
+impl<L: Field, const C: usize, const FUSED: bool> Neg for Wide<L, C, FUSED> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         self.map(L::neg)
     }
 }
-impl<L: Field, const C: usize> Zero for Wide<L, C> {
+impl<L: Field, const C: usize, const FUSED: bool> Zero for Wide<L, C, FUSED> {
     #[inline(always)]
     fn zero() -> Self {
         Self([L::zero(); C])
@@ -99,13 +100,13 @@ impl<L: Field, const C: usize> Zero for Wide<L, C> {
         self.0.iter().all(L::is_zero)
     }
 }
-impl<L: Field, const C: usize> One for Wide<L, C> {
+impl<L: Field, const C: usize, const FUSED: bool> One for Wide<L, C, FUSED> {
     #[inline(always)]
     fn one() -> Self {
         Self([L::one(); C])
     }
 }
-impl<L: Field, const C: usize> Scalar for Wide<L, C> {
+impl<L: Field, const C: usize, const FUSED: bool> Scalar for Wide<L, C, FUSED> {
     #[inline(always)]
     fn lit(x: f64) -> Self {
         Self([L::lit(x); C])
@@ -114,7 +115,10 @@ impl<L: Field, const C: usize> Scalar for Wide<L, C> {
     fn plus_product(self, a: Self, b: Self) -> Self {
         Self(array(
             #[inline(always)]
-            |m| self.0[m].plus_product(a.0[m], b.0[m]),
+            |m| match FUSED {
+                true => self.0[m].plus_product(a.0[m], b.0[m]),
+                false => self.0[m] + a.0[m] * b.0[m],
+            },
         ))
     }
     #[inline(always)]
@@ -129,7 +133,7 @@ macro_rules! by_map {
         }
     )*};
 }
-impl<L: Field, const C: usize> Field for Wide<L, C> {
+impl<L: Field, const C: usize, const FUSED: bool> Field for Wide<L, C, FUSED> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         self.map(L::sqrt)
@@ -144,7 +148,12 @@ impl<L: Field, const C: usize> Field for Wide<L, C> {
         self
     }
 }
-impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Algebra<Pack<R, N>> for Wide<L, C> {
+impl<R, L, const C: usize, const N: usize, const FUSED: bool> Algebra<Pack<R, N>>
+    for Wide<L, C, FUSED>
+where
+    R: Real,
+    L: Lanes<R>,
+{
     type Dual<const K: usize> = Jet<Self, K>;
     #[inline(always)]
     fn lift(pack: Pack<R, N>) -> Self {
@@ -164,7 +173,12 @@ impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Algebra<Pack<R, N>> f
     }
     jet::by_jet!();
 }
-impl<R: Real, L: Lanes<R>, const C: usize, const N: usize> Lanes<Pack<R, N>> for Wide<L, C> {
+impl<R, L, const C: usize, const N: usize, const FUSED: bool> Lanes<Pack<R, N>>
+    for Wide<L, C, FUSED>
+where
+    R: Real,
+    L: Lanes<R>,
+{
     blocks!(Pack<R, N>, 1);
 
     #[inline(always)]
@@ -260,7 +274,7 @@ macro_rules! field_by_lanes {
 }
 
 macro_rules! packs {
-    ($($r:ty, $n:literal, $parse:ty, $portable:ty, $narrow:ident, $wide:ident;)*) => {$(
+    ($($r:ty, $n:literal, $parse:ty, $portable:ty, $narrow:ident, $wide:ident, $single:ident;)*) => {$(
         impl Laned for $r {
             type Pack = Pack<$r, $n>;
             fn pack(lane: impl Fn(usize) -> Self) -> Self::Pack {
@@ -532,10 +546,22 @@ macro_rules! packs {
                 #[cfg(not(target_arch = "x86_64"))]
                 work.run::<$portable>()
             }
+            #[inline]
+            #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "crosses the check"))]
+            fn dispatch_singly<W: LaneWork<Self>>(work: W) -> W::Output {
+                // SAFETY: the processor has the instructions.
+                #[cfg(target_arch = "x86_64")]
+                return match Registers::widest() {
+                    Registers::Baseline => work.run_singly(),
+                    _ => unsafe { super::x86::$single(work) },
+                };
+                #[cfg(not(target_arch = "x86_64"))]
+                work.run_singly()
+            }
         }
     )*};
 }
 packs! {
-    f32, 16, num_traits::ParseFloatError, Wide<simba::simd::WideF32x8, 2>, in_two_f32x8, in_one_f32x16;
-    f64, 8, num_traits::ParseFloatError, Wide<simba::simd::WideF64x4, 2>, in_two_f64x4, in_one_f64x8;
+    f32, 16, num_traits::ParseFloatError, Wide<simba::simd::WideF32x8, 2>, in_two_f32x8, in_one_f32x16, singly_f32x8;
+    f64, 8, num_traits::ParseFloatError, Wide<simba::simd::WideF64x4, 2>, in_two_f64x4, in_one_f64x8, singly_f64x4;
 }

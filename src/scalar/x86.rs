@@ -97,8 +97,8 @@ macro_rules! register {
             work.run::<Wide<$t, $count>>()
         }
 
-        // SAFETY, here and below: numbers of this type are made by work inside `$run`, `$run_pack` and the
-        // `$run` of `@two` only, whose callers have found the processor to have the instructions.
+        // SAFETY, here and below: numbers of this type are made by work inside `$run`, `$run_pack` and
+        // those of `@two` only, whose callers have found the processor to have the instructions.
         register!(@operator $t, Add add $add, AddAssign add_assign);
         register!(@operator $t, Sub sub $sub, SubAssign sub_assign);
         register!(@operator $t, Mul mul $mul, MulAssign mul_assign);
@@ -308,7 +308,14 @@ macro_rules! register {
             }
         }
     };
-    (@two $t:ident, $r:ty, $width:literal, $both:literal, $feature:literal, $run:ident) => {
+    (@two $t:ident, $r:ty, $width:literal, $both:literal, $feature:literal, $run:ident, $single:ident) => {
+        /// Runs work on packs, rounded as in plain numbers that have no lanes. The processor must have the
+        /// instructions.
+        #[target_feature(enable = $feature)]
+        pub(super) fn $single<W: LaneWork<Pack<$r, $both>>>(work: W) -> W::Output {
+            work.run::<Wide<$t, 2, false>>()
+        }
+
         /// Runs work in two registers at once, so that what is not arithmetic is done half as often: for
         /// work that is not heavy. The processor must have the instructions.
         #[target_feature(enable = $feature)]
@@ -431,5 +438,5 @@ register!(
     _mm512_add_ps _mm512_sub_ps _mm512_mul_ps _mm512_div_ps _mm512_sqrt_ps _mm512_fmadd_ps
     _mm512_max_ps
 );
-register!(@two F64x4, f64, 4, 8, "avx2,fma", in_both_f64x4);
-register!(@two F32x8, f32, 8, 16, "avx2,fma", in_both_f32x8);
+register!(@two F64x4, f64, 4, 8, "avx2,fma", in_both_f64x4, singly_f64x4);
+register!(@two F32x8, f32, 8, 16, "avx2,fma", in_both_f32x8, singly_f32x8);

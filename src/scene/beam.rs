@@ -9,7 +9,7 @@ use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result, finite, positive};
 use crate::formulation::{Formulation, Inertia, Reference};
 use crate::scalar::Real;
-use crate::section::Section;
+use crate::section::{Remembered, Section};
 use crate::tensor::{cross, dot};
 
 /// Position and material frame at a fraction of the axis.
@@ -142,7 +142,8 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
             });
         }
         crate::element::check(&self.element)?;
-        self.formulation.check(&self.element, &self.section)?;
+        let section = &Remembered::new(&self.section);
+        self.formulation.check(&self.element, section)?;
         let share = R::one() / R::lit(elements as f64);
         let (chain, frames, length) = match axis {
             Axis::Straight { from, to } => {
@@ -157,7 +158,7 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                     let along = length * share * R::lit(n as f64);
                     std::array::from_fn(|c| from[c] + along * frame[0][c])
                 };
-                let (kernel, link) = self.link(reference)?;
+                let (kernel, link) = self.link(section, reference)?;
                 let chain = Chain {
                     element: self.element,
                     kernels: vec![kernel],
@@ -178,7 +179,8 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                 let mut links = Vec::with_capacity(elements);
                 let mut kernels = Vec::with_capacity(elements);
                 for nodes in nodes.windows(E::NODES).step_by(E::NODES - 1) {
-                    let (kernel, link) = self.link(bent(&self.element, length * share, nodes)?)?;
+                    let reference = bent(&self.element, length * share, nodes)?;
+                    let (kernel, link) = self.link(section, reference)?;
                     kernels.push(kernel);
                     links.push(link);
                 }
@@ -199,7 +201,7 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
         };
         let mass = match self.density {
             Some(density) => {
-                let area = self.section.properties()?.area;
+                let area = section.properties()?.area;
                 format!("{:.4e} kg", (density * area * length).largest())
             }
             None => "no mass".into(),
@@ -217,17 +219,17 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
     /// Kernel and inertia of one element.
     fn link<const S: usize>(
         &self,
+        section: &dyn Section<R>,
         reference: Reference<R, D, S>,
     ) -> Result<(F::Kernel, Link<R, D, S>)>
     where
         E: Element<D, S>,
         F: Formulation<R, E, D, S>,
-        X: Section<R>,
     {
-        let inertia = |density| Inertia::new(&self.element, &reference, &self.section, density);
+        let inertia = |density| Inertia::new(&self.element, &reference, section, density);
         let kernel = self
             .formulation
-            .kernel(&self.element, &reference, &self.section)?;
+            .kernel(&self.element, &reference, section)?;
         let inertia = self.density.map(inertia).transpose()?;
         Ok((kernel, Link::new(inertia, reference)))
     }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::element::{Element, NodalVector};
 use crate::error::Result;
-use crate::formulation::{ElementKernel, Inertia, KernelWork, Reference};
+use crate::formulation::{ElementKernel, Inertia, Reference};
 use crate::scalar::{Lanes, Real};
 use crate::solver::{BandMatrix, Matrix, Ready};
 use crate::tensor::sum;
@@ -253,15 +253,6 @@ where
     fn gather(&self, element: usize, x: &[R]) -> [[R; D]; S] {
         let slice = &x[self.range(element)];
         std::array::from_fn(|i| std::array::from_fn(|c| slice[i * D + c]))
-    }
-
-    /// Runs work on all elements, in lanes of equal ones where the kernel is made for it.
-    #[inline(always)]
-    fn run<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
-        match &self.kernels[..] {
-            [kernel] => kernel.dispatch(work),
-            kernels => work.run_singly(kernels),
-        }
     }
 
     /// Calls `each` for groups of some elements that fill the lanes: with the elements, what links them

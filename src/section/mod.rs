@@ -12,6 +12,7 @@ mod offset;
 mod outline;
 mod profile;
 mod rectangle;
+mod remembered;
 
 pub use annulus::Annulus;
 pub use disk::Disk;
@@ -21,6 +22,8 @@ pub use offset::Offset;
 pub use outline::{Loop, Outline};
 pub use profile::{box_profile, c_profile, i_profile, l_profile, t_profile};
 pub use rectangle::Rectangle;
+
+pub(crate) use remembered::Remembered;
 
 use std::fmt::Debug;
 use std::sync::Arc;

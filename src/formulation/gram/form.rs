@@ -10,8 +10,8 @@ use super::{GramKernel, Group, ROWS, Terms};
 use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
-use crate::scalar::Real;
-use crate::tensor::{add_scaled, array};
+use crate::scalar::{LaneWork, Lanes, Real, Scalar};
+use crate::tensor::{Pairs, Room, add_scaled, array};
 
 /// The quadratic form while parts are added to it: between the pairs `i <= j` of nodal vectors, numbered
 /// row by row, those `[p][q]` with `p <= q`, for the form is symmetric.
@@ -39,7 +39,6 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
         points: &[([R; D], R)],
     ) {
         let basis = Basis::of::<E, D, S>(reference.length);
-        let mut strain = Vec::with_capacity(pairs(S));
         for ([xi], along) in axial.iter() {
             let mut axis = [R::zero(); D];
             axis[0] = xi;
@@ -63,44 +62,12 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
                         array(|i| (0..D).fold(R::zero(), |s, k| s + map[a][k] * columns[k][i]))
                     });
                 }
-                self.add_point(moduli, &columns, weight, &mut strain);
-            }
-        }
-    }
-
-    /// Adds a point at which column `a` of the gradient is `sum_i columns[a][i] v_i`. `strain` is room.
-    fn add_point(
-        &mut self,
-        moduli: &Moduli<R, D>,
-        columns: &[[R; S]; D],
-        weight: R,
-        strain: &mut Vec<(usize, R)>,
-    ) {
-        let all = || (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).enumerate();
-        for (a, b) in (0..D).flat_map(|a| (a..D).map(move |b| (a, b))) {
-            strain.clear();
-            for (q, (i, j)) in all() {
-                let value = strain_of(columns, [a, b], i, j);
-                if !value.is_nothing() {
-                    strain.push((q, value));
-                }
-            }
-            for (p, (i, j)) in all() {
-                let stress = weight
-                    * match a == b {
-                        true => (0..D).fold(R::zero(), |s, c| {
-                            s + moduli.normal[a][c] * strain_of(columns, [c, c], i, j)
-                        }),
-                        false => moduli.shear[a][b] * strain_of(columns, [a, b], i, j),
-                    };
-                if stress.is_nothing() {
-                    continue;
-                }
-                let form = &mut self.0[p * pairs(S)..][..pairs(S)];
-                let from = strain.partition_point(|(q, _)| *q < p);
-                for (q, strain) in &strain[from..] {
-                    form[*q] += stress * *strain;
-                }
+                R::dispatch_singly(Point {
+                    form: &mut self.0,
+                    moduli,
+                    columns: &columns,
+                    weight,
+                });
             }
         }
     }
@@ -108,22 +75,25 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     /// Which products couple, by groups, and the forms of these.
     fn groups(&self) -> (Vec<Group>, Vec<R>) {
         let small = R::lit(64.0 * R::EPSILON);
-        let all: Vec<_> = (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).collect();
-        let raw = |p: usize, q: usize| {
-            // One triangle, so that the form is symmetric to the last digit.
-            self.0[p.min(q) * pairs(S) + p.max(q)]
-        };
+        let count = pairs(S);
+        let all: Vec<_> = all_pairs::<S>().map(|(_, pair)| pair).collect();
+        let size = |p: usize| self.0[p * count + p].abs().sqrt();
+        let sizes: Vec<_> = (0..count).map(size).collect();
+        // One triangle, so that the form is symmetric to the last digit.
         let entry = |p: usize, q: usize| {
+            let raw = self.0[p.min(q) * count + p.max(q)];
             // Rounding of what cancels; but an entry that vanishes may have a derivative that does not.
-            let bound = small * raw(p, p).abs().sqrt() * raw(q, q).abs().sqrt();
+            let bound = small * sizes[p] * sizes[q];
             match R::ORDER {
-                0 => R::zero().where_else(raw(p, q).abs().at_most(bound), raw(p, q)),
-                _ => raw(p, q),
+                0 => R::zero().where_else(raw.abs().at_most(bound), raw),
+                _ => raw,
             }
         };
-        let couples = |p: usize, q: usize| !vanishes(entry(p, q));
-        let strained = |p: &usize| (0..all.len()).any(|q| couples(*p, q));
-        let mut left: Vec<usize> = (0..all.len()).filter(strained).collect();
+        let places = (0..count).flat_map(|p| (0..count).map(move |q| (p, q)));
+        let coupled: Vec<_> = places.map(|(p, q)| !vanishes(entry(p, q))).collect();
+        let couples = |p: usize, q: usize| coupled[p * count + q];
+        let strained = |p: &usize| (0..count).any(|q| couples(*p, q));
+        let mut left: Vec<usize> = (0..count).filter(strained).collect();
         let (mut groups, mut form) = (Vec::new(), Vec::new());
         while let Some(first) = left.first().copied() {
             let mut group = vec![first];
@@ -169,14 +139,94 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     }
 }
 
+/// A point to add to a form, at which column `a` of the gradient is `sum_i columns[a][i] v_i`.
+struct Point<'a, R, const D: usize, const S: usize> {
+    form: &'a mut [R],
+    moduli: &'a Moduli<R, D>,
+    columns: &'a [[R; S]; D],
+    weight: R,
+}
+
+impl<R: Real, const D: usize, const S: usize> LaneWork<R> for Point<'_, R, D, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let Self {
+            form,
+            moduli,
+            columns,
+            weight,
+        } = self;
+        const { assert!(L::WIDTH == 1, "a point has no others beside it") };
+        let met = columns.map(|row| row.map(|a| !a.is_nothing()));
+        let strained = |[a, b]: [usize; 2], i: usize, j: usize| {
+            met[a][i] && met[b][j] || met[a][j] && met[b][i]
+        };
+        let mut lifted = [[L::zero(); S]; D];
+        for (lifted, row) in lifted.iter_mut().zip(columns) {
+            for (lifted, a) in lifted.iter_mut().zip(row) {
+                *lifted = L::lift(*a);
+            }
+        }
+        let weight = L::lift(weight);
+        let mut room = Room::<Pairs<L, S>>::new();
+        for (a, b) in (0..D).flat_map(|a| (a..D).map(move |b| (a, b))) {
+            let (mut strains, mut places, mut count) = (room.stack(), [[0; S]; S], 0);
+            for (q, (i, j)) in all_pairs::<S>() {
+                if strained([a, b], i, j) {
+                    strains.push([strain_of(&lifted, [a, b], i, j)]);
+                    places.as_flattened_mut()[count] = q;
+                    count += 1;
+                }
+            }
+            let places = &places.as_flattened()[..count];
+            for (p, (i, j)) in all_pairs::<S>() {
+                let mut stress = L::zero();
+                if a != b {
+                    if !strained([a, b], i, j) {
+                        continue;
+                    }
+                    stress = strain_of(&lifted, [a, b], i, j).times(moduli.shear[a][b]);
+                } else {
+                    let mut any = false;
+                    for c in 0..D {
+                        let modulus = moduli.normal[a][c];
+                        if strained([c, c], i, j) && !modulus.is_nothing() {
+                            let strain = strain_of(&lifted, [c, c], i, j);
+                            stress = stress.plus_times(modulus, strain);
+                            any = true;
+                        }
+                    }
+                    if !any {
+                        continue;
+                    }
+                }
+                let stress = weight * stress;
+                let row = &mut form[p * pairs(S)..][..pairs(S)];
+                let from = places.partition_point(|q| *q < p);
+                for (q, strain) in places[from..].iter().zip(&strains.numbers()[from..]) {
+                    let entry = &mut row[*q..];
+                    L::load(entry).plus_product(stress, *strain).store(entry);
+                }
+            }
+        }
+    }
+}
+
+/// Pairs `i <= j` of vectors with their numbers, row by row.
+fn all_pairs<const S: usize>() -> impl Iterator<Item = (usize, (usize, usize))> {
+    (0..S).flat_map(|i| (i..S).map(move |j| (i, j))).enumerate()
+}
+
 /// How a strain depends on a product: `E_aa`, and `2 E_ab`.
 #[inline(always)]
-fn strain_of<R: Real, const D: usize, const S: usize>(
-    columns: &[[R; S]; D],
+fn strain_of<T: Scalar, const D: usize, const S: usize>(
+    columns: &[[T; S]; D],
     [a, b]: [usize; 2],
     i: usize,
     j: usize,
-) -> R {
+) -> T {
     match a == b {
         true => columns[a][i] * columns[a][j],
         false => columns[a][i] * columns[b][j] + columns[a][j] * columns[b][i],

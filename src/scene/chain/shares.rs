@@ -36,16 +36,17 @@ pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
     /// Adds what the elements give. Must be inlined, as [`KernelWork::run`].
     fn add<L: Lanes<R>, K: ElementKernel<R, D, S>>(
         &self,
-        kernels: &[K],
+        kernel: &K,
         elements: Range<usize>,
         out: &mut Self::Out<'_>,
     ) -> Result<()>;
 }
 
-/// A task for some elements of a chain.
+/// A task for some elements of a chain that share a kernel.
 struct Share<'t, 'o, T: Task<R, D, S>, R: Real, const D: usize, const S: usize> {
     task: &'t T,
     elements: Range<usize>,
+    alone: bool,
     out: &'t mut T::Out<'o>,
 }
 
@@ -58,8 +59,13 @@ where
     const HEAVY: bool = T::HEAVY;
 
     #[inline(always)]
-    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernels: &[K]) -> Result<()> {
-        self.task.add::<L, K>(kernels, self.elements, self.out)
+    fn is_alone(&self) -> bool {
+        self.alone
+    }
+
+    #[inline(always)]
+    fn run<L: Lanes<R>, K: ElementKernel<R, D, S>>(self, kernel: &K) -> Result<()> {
+        self.task.add::<L, K>(kernel, self.elements, self.out)
     }
 }
 
@@ -87,18 +93,37 @@ where
             });
             if let Some((left, right)) = results {
                 left.and(right)?;
-                return self.run(Share {
-                    task,
-                    elements: middle - 1..middle,
-                    out,
-                });
+                return self.run(task, middle - 1..middle, out);
             }
         }
-        self.run(Share {
-            task,
-            elements,
-            out,
-        })
+        self.run(task, elements, out)
+    }
+
+    /// Runs a task on some elements: together if one kernel is that of all, and else one by one.
+    #[inline(always)]
+    fn run<T: Task<R, D, S>>(
+        &self,
+        task: &T,
+        elements: Range<usize>,
+        out: &mut T::Out<'_>,
+    ) -> Result<()> {
+        if let [kernel] = &self.kernels[..] {
+            return kernel.dispatch(Share {
+                task,
+                elements,
+                alone: false,
+                out,
+            });
+        }
+        for n in elements {
+            self.kernels[n].dispatch(Share {
+                task,
+                elements: n..n + 1,
+                alone: true,
+                out,
+            })?;
+        }
+        Ok(())
     }
 
     /// Does a task that adds to a matrix for all elements: of a long chain together for those that

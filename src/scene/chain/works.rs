@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::shares::{Numbers, Sink, Task};
-use super::{Chain, Coupling, of};
+use super::{Chain, Coupling};
 use crate::element::Element;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Tangent, mirror};
@@ -14,7 +14,7 @@ use crate::tensor::add_times;
 
 /// A task of a chain that adds to `Numbers` or to a `Sink`.
 macro_rules! task {
-    ($task:ident, $out:ident, $heavy:literal, |$self:ident, $kernels:ident, $elements:ident, $sink:ident| $add:block) => {
+    ($task:ident, $out:ident, $heavy:literal, |$self:ident, $kernel:ident, $elements:ident, $sink:ident| $add:block) => {
         impl<R, E, Kn, const D: usize, const S: usize> Task<R, D, S>
             for $task<'_, Chain<R, E, Kn, D, S>, R>
         where
@@ -35,7 +35,7 @@ macro_rules! task {
             #[inline(always)]
             fn add<L: Lanes<R>, K: ElementKernel<R, D, S>>(
                 &$self,
-                $kernels: &[K],
+                $kernel: &K,
                 $elements: Range<usize>,
                 $sink: &mut $out<'_, R>,
             ) -> Result<()> $add
@@ -55,7 +55,7 @@ pub(super) struct Force<'a, C, R> {
     pub(super) u: &'a [R],
 }
 
-task!(Force, Numbers, false, |self, kernels, elements, q| {
+task!(Force, Numbers, false, |self, kernel, elements, q| {
     let chain = self.chain;
     chain.groups::<L, 1>(
         elements,
@@ -63,7 +63,7 @@ task!(Force, Numbers, false, |self, kernels, elements, q| {
         #[inline(always)]
         |elements, _, [u]| {
             let mut force = [[L::zero(); D]; S];
-            of(kernels, elements.start).force(u, &mut force);
+            kernel.force(u, &mut force);
             chain.scatter(&force, elements, q);
         },
     );
@@ -81,7 +81,7 @@ task!(
     Acceleration,
     Numbers,
     false,
-    |self, _kernels, elements, out| {
+    |self, _kernel, elements, out| {
         let chain = self.chain;
         chain.groups::<L, 1>(
             elements,
@@ -113,7 +113,7 @@ pub(super) struct Stiffness<'a, C, R> {
     pub(super) mass: Option<R>,
 }
 
-task!(Stiffness, Sink, true, |self, kernels, elements, k| {
+task!(Stiffness, Sink, true, |self, kernel, elements, k| {
     let chain = self.chain;
     let mut result = Ok(());
     let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
@@ -122,7 +122,7 @@ task!(Stiffness, Sink, true, |self, kernels, elements, k| {
         [self.u],
         #[inline(always)]
         |elements, link, [u]| {
-            of(kernels, elements.start).upper_tangent(u, &mut tangent);
+            kernel.upper_tangent(u, &mut tangent);
             if let Some(share) = self.mass {
                 let upper = link.masses.iter().filter(|entry| entry.row <= entry.column);
                 for Coupling { row, column, mass } in upper {
@@ -151,7 +151,7 @@ pub(super) struct Secant<'a, C, R> {
     pub(super) ends: [&'a [R]; 2],
 }
 
-task!(Secant, Numbers, true, |self, kernels, elements, q| {
+task!(Secant, Numbers, true, |self, kernel, elements, q| {
     let chain = self.chain;
     chain.groups::<L, 2>(
         elements,
@@ -159,7 +159,7 @@ task!(Secant, Numbers, true, |self, kernels, elements, q| {
         #[inline(always)]
         |elements, _, [from, to]| {
             let mut force = [[L::zero(); D]; S];
-            of(kernels, elements.start).secant(self.viscosity, from, to, &mut force);
+            kernel.secant(self.viscosity, from, to, &mut force);
             chain.scatter(&force, elements, q);
         },
     );
@@ -173,7 +173,7 @@ pub(super) struct SecantStiffness<'a, C, R> {
     pub(super) ends: [&'a [R]; 2],
 }
 
-task!(SecantStiffness, Sink, true, |self, kernels, elements, k| {
+task!(SecantStiffness, Sink, true, |self, kernel, elements, k| {
     let chain = self.chain;
     let mut result = Ok(());
     chain.groups::<L, 2>(
@@ -182,7 +182,7 @@ task!(SecantStiffness, Sink, true, |self, kernels, elements, k| {
         #[inline(always)]
         |elements, _, [from, to]| {
             let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
-            of(kernels, elements.start).secant_tangent(self.viscosity, from, to, &mut tangent);
+            kernel.secant_tangent(self.viscosity, from, to, &mut tangent);
             if result.is_ok() {
                 result = add_lanes(k, &tangent, chain.starts_in(elements));
             }
