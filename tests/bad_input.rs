@@ -476,6 +476,27 @@ fn moments_that_a_law_cannot_carry() {
     }
 }
 
+/// What would sample it is not compiled.
+#[test]
+fn materials_that_are_constant_and_give_no_moduli() {
+    #[derive(Debug, Clone)]
+    struct Vague(Steel);
+    impl Material<f64, 3> for Vague {
+        const CONSTANT: bool = true;
+
+        fn energy<T: Algebra<f64>>(&self, strain: &[[T; 3]; 3]) -> T {
+            self.0.energy(strain)
+        }
+    }
+    let vague = Continuum::full(Vague(steel()));
+    let beam = Beam::new(FullyParameterised, Disk::new(0.1).unwrap(), vague);
+    let result = Scene::<f64, 3>::new().add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1));
+    names(
+        result,
+        &["Vague", "constant_elasticity", "Material::CONSTANT"],
+    );
+}
+
 #[test]
 fn nodes_of_another_scene() {
     let (_, stranger) = scene();

@@ -49,7 +49,7 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     /// change of energy; by default by two Gauss points, exact for energies up to the fourth
     /// degree. With a `viscosity`, and only for laws that have strain, the stress that this share
     /// of the change of strain makes is added.
-    #[inline]
+    #[inline(always)]
     fn secant<T: Algebra<R>>(
         &self,
         _viscosity: R,
@@ -57,20 +57,48 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
         from: &[[T; D]; K],
         to: &[[T; D]; K],
     ) -> [[T; D]; K] {
-        path_mean(from, to, |h| self.resultants(reference, h))
+        path_mean(
+            from,
+            to,
+            #[inline(always)]
+            |h| self.resultants(reference, h),
+        )
     }
 
-    /// Derivatives of the secant resultants by the sampled vectors `to`, all blocks of them: they are
-    /// not symmetric.
-    #[inline]
+    /// Derivatives of the secant resultants by the sampled vectors `to`, all blocks of them: they need not
+    /// be symmetric. By default those of the default [`secant`](Self::secant), from the stiffness at its
+    /// Gauss points; a law with a secant of its own gives its derivatives, too.
+    #[inline(always)]
     fn secant_stiffness<T: Algebra<R>>(
         &self,
-        viscosity: R,
+        _viscosity: R,
         reference: &[[R; D]; K],
         from: &[[T; D]; K],
         to: &[[T; D]; K],
     ) -> SectionStiffness<T, D, K> {
-        derived_secant_stiffness(self, viscosity, reference, from, to)
+        let mut mean = [[[[T::zero(); D]; D]; K]; K];
+        let mut there = [[[[T::zero(); D]; D]; K]; K];
+        for share in gauss_pair::<R>() {
+            self.stiffness(reference, &between(from, to, share), &mut there);
+            for a in 0..K {
+                for b in a..K {
+                    for c in 0..D {
+                        add_times(&mut mean[a][b][c], R::lit(0.5) * share, &there[a][b][c]);
+                    }
+                }
+            }
+        }
+        for a in 0..K {
+            for b in 0..a {
+                for c in 0..D {
+                    mean[a][b][c] = array(
+                        #[inline(always)]
+                        |d| mean[b][a][d][c],
+                    );
+                }
+            }
+        }
+        mean
     }
 
     /// First derivatives of the energy by the sampled vectors; the second derivatives overwrite the
@@ -147,32 +175,6 @@ where
     resultants
 }
 
-#[inline(always)]
-fn derived_secant_stiffness<R, T, L, const D: usize, const K: usize>(
-    law: &L,
-    viscosity: R,
-    reference: &[[R; D]; K],
-    from: &[[T; D]; K],
-    to: &[[T; D]; K],
-) -> SectionStiffness<T, D, K>
-where
-    R: Real,
-    T: Algebra<R>,
-    L: SectionLaw<R, D, K> + ?Sized,
-{
-    let from: [[T::Dual<D>; D]; K] = array(|k| array(|c| from[k][c].constant::<D>()));
-    let mut stiffness = [[[[T::zero(); D]; D]; K]; K];
-    for b in 0..K {
-        let dual = law.secant(viscosity, reference, &from, &varied(to, b));
-        for a in 0..K {
-            for c in 0..D {
-                stiffness[a][b][c] = array(|d| T::derivative::<D>(&dual[a][c], d));
-            }
-        }
-    }
-    stiffness
-}
-
 /// Dual numbers with unit derivatives along the components of vector `k` of `vectors`.
 #[inline(always)]
 pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
@@ -190,7 +192,12 @@ pub(crate) fn varied<R, T: Algebra<R>, const D: usize, const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formulation::{BeamStiffness, CableEnergy, CableSection, StructuralSection};
+    use crate::element::Cable;
+    use crate::formulation::{
+        BeamStiffness, CableEnergy, CableSection, Reference, Sample, SampledKernel,
+        StructuralSection,
+    };
+    use crate::quadrature::gauss_legendre;
 
     /// A law reduced to its energy.
     #[derive(Debug)]
@@ -241,6 +248,28 @@ mod tests {
                 assert!((x - y).abs() < 1e-13 * largest, "{law:?} {a} {b}: {x} {y}");
             }
         }
+    }
+
+    /// A law that no element is made of.
+    #[derive(Debug)]
+    struct Absent;
+
+    impl SectionLaw<f64, 2, 1> for Absent {
+        const ABSENT: bool = true;
+
+        fn energy<T: Algebra<f64>>(&self, _reference: &[[f64; 2]; 1], h: &[[T; 2]; 1]) -> T {
+            h[0][0]
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "ABSENT")]
+    fn no_element_is_made_of_an_absent_law() {
+        let axes = [[1.0, 0.0], [0.0, 1.0]];
+        let reference = Reference::<f64, 2, 4>::straight(&Cable, 1.0, axes);
+        let axial = gauss_legendre(2).unwrap();
+        let samples = [Sample::First(0)];
+        let _ = SampledKernel::new().with_part(&Cable, &reference, Absent, samples, &axial);
     }
 
     #[test]

@@ -143,7 +143,8 @@ pub enum Together {
     /// function, and what is called from there crosses over at a price.
     InLanes,
     /// In two registers at once where there are none as wide, as in [`LaneWork::PAIRED`]: worth it only
-    /// where sums stay in registers, too.
+    /// where sums stay in registers, too. Packs go through registers even where elements do not share a
+    /// kernel: it must not derive by dual numbers, whose functions round in other ways there.
     InPairs,
 }
 
@@ -155,7 +156,7 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     /// Whether the work holds far more numbers than registers do, as in [`LaneWork::HEAVY`].
     const HEAVY: bool = false;
 
-    /// Whether there is but one element of this kernel, which has no other beside it in lanes.
+    /// Whether every element has a kernel of its own, so that it has no other beside it in lanes.
     #[inline(always)]
     fn is_alone(&self) -> bool {
         false
@@ -174,10 +175,17 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     /// Does the work as the kernel asks for, in the lanes that suit the processor best.
     #[inline]
     fn run_together<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
-        match K::TOGETHER {
-            Together::Never => self.run_singly(kernel),
-            _ if self.is_alone() => R::dispatch_singly(OfKernel { work: self, kernel }),
-            _ => R::dispatch(OfKernel { work: self, kernel }),
+        // Constants of blocks, so that what is not asked for is not compiled.
+        if const { matches!(K::TOGETHER, Together::Never) } {
+            return self.run_singly(kernel);
+        }
+        if !self.is_alone() {
+            return R::dispatch(OfKernel { work: self, kernel });
+        }
+        match const { matches!(K::TOGETHER, Together::InPairs) } {
+            true => R::dispatch_singly(OfKernel { work: self, kernel }),
+            // Lanes have dual numbers of their own, which round in other ways.
+            false => self.run_singly(kernel),
         }
     }
 }
@@ -216,7 +224,8 @@ where
 pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     Debug + Send + Sync + Sized + 'static
 {
-    /// How elements that share this kernel go through work together; by default one after the other.
+    /// How elements that share this kernel go through work together, by default one after the other; of
+    /// no meaning where [`dispatch`](Self::dispatch) hands work on.
     const TOGETHER: Together = Together::Never;
 
     /// Runs work on elements that share this kernel. A kernel that is one of several hands the work to

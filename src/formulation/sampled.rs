@@ -248,6 +248,9 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
 
     /// Adds a law sampled by `samples` at the points of `axial`, a rule on [0, 1] along the
     /// element.
+    ///
+    /// # Panics
+    /// For a law that says that it is [`ABSENT`](SectionLaw::ABSENT).
     #[must_use]
     pub fn with_part<E: Element<D, S>>(
         mut self,
@@ -256,7 +259,11 @@ impl<R: Real, L, const D: usize, const S: usize, const K: usize> SampledKernel<R
         law: L,
         samples: [Sample; K],
         axial: &Cubature<R, 1>,
-    ) -> Self {
+    ) -> Self
+    where
+        L: SectionLaw<R, D, K>,
+    {
+        assert!(!L::ABSENT, "no element is made of a law that is ABSENT");
         let nodal = &reference.vectors;
         self.positions = Positions::of::<E, D>();
         let station = |([xi], w): ([R; 1], R)| {

@@ -90,17 +90,28 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
     }
 
     /// Derivative of the [`secant`](Self::secant) stress by the strain `to`, as
-    /// [`elasticity`](Self::elasticity) is that of the stress.
+    /// [`elasticity`](Self::elasticity) is that of the stress. By default that of the default secant, from
+    /// the elasticity at its Gauss points; a law with a secant of its own gives its derivative, too.
     #[inline(always)]
     fn secant_elasticity<T: Algebra<R>>(
         &self,
         from: &Tensor<T, D>,
         to: &Tensor<T, D>,
     ) -> Blocks<T, D> {
-        match D {
-            2 => derived_secant_elasticity::<R, T, Self, D, 3>(self, from, to),
-            _ => derived_secant_elasticity::<R, T, Self, D, 6>(self, from, to),
+        let mut mean = [[[[T::zero(); D]; D]; D]; D];
+        for share in gauss_pair::<R>() {
+            let there = self.elasticity(&between(from, to, share));
+            let rows = there.as_flattened().as_flattened();
+            for (mean, there) in mean
+                .as_flattened_mut()
+                .as_flattened_mut()
+                .iter_mut()
+                .zip(rows)
+            {
+                add_times(mean, R::lit(0.5) * share, there);
+            }
         }
+        mean
     }
 
     /// Elasticity `C[a][e][b][f] = dS[a][e] / dE[b][f]` (Pa), with both minor symmetries.
@@ -205,21 +216,6 @@ where
     M: Material<R, D>,
 {
     by_strain(&material.stress(&varied::<R, T, D, N>(strain)))
-}
-
-#[inline(always)]
-fn derived_secant_elasticity<R, T, M, const D: usize, const N: usize>(
-    material: &M,
-    from: &Tensor<T, D>,
-    to: &Tensor<T, D>,
-) -> Blocks<T, D>
-where
-    R: Real,
-    T: Algebra<R>,
-    M: Material<R, D>,
-{
-    let from = from.map(|row| row.map(|x| x.constant::<N>()));
-    by_strain(&material.secant(&from, &varied::<R, T, D, N>(to)))
 }
 
 /// Derivatives of a stress by the strain whose variations it carries.

@@ -1,6 +1,7 @@
 //! A section that is asked for the same rules by every element of a beam.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::fmt::{self, Debug};
+use std::sync::{Mutex, PoisonError};
 
 use super::{Properties, Section};
 use crate::error::Result;
@@ -8,7 +9,6 @@ use crate::quadrature::Cubature;
 use crate::scalar::Real;
 
 /// Results by degree, those that have been asked for.
-#[derive(Debug)]
 struct Known<T>(Mutex<Vec<(usize, Result<T>)>>);
 
 impl<T: Clone> Known<T> {
@@ -17,24 +17,23 @@ impl<T: Clone> Known<T> {
     }
 
     fn of(&self, degree: usize, find: impl FnOnce() -> Result<T>) -> Result<T> {
-        // A panic leaves what was known before.
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, result)) = known.iter().find(|(of, _)| *of == degree) {
+        // A panic leaves what was known before; and nothing is locked while a section is at work.
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, result)) = all().iter().find(|(of, _)| *of == degree) {
             return result.clone();
         }
         let result = find();
-        known.push((degree, result.clone()));
+        all().push((degree, result.clone()));
         result
     }
 }
 
 /// A section whose rules and properties are found once.
-#[derive(Debug)]
 pub(crate) struct Remembered<'a, R> {
     section: &'a dyn Section<R>,
     rules: Known<Cubature<R, 2>>,
     planar: Known<Cubature<R, 1>>,
-    properties: OnceLock<Result<Properties<R>>>,
+    properties: Known<Properties<R>>,
 }
 
 impl<'a, R: Real> Remembered<'a, R> {
@@ -43,8 +42,14 @@ impl<'a, R: Real> Remembered<'a, R> {
             section,
             rules: Known::new(),
             planar: Known::new(),
-            properties: OnceLock::new(),
+            properties: Known::new(),
         }
+    }
+}
+
+impl<R: Real> Debug for Remembered<'_, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.section.fmt(f)
     }
 }
 
@@ -56,8 +61,8 @@ impl<R: Real> Section<R> for Remembered<'_, R> {
         self.section.outline(n)
     }
     fn properties(&self) -> Result<Properties<R>> {
-        let find = || self.section.properties();
-        self.properties.get_or_init(find).clone()
+        // The moments of degree two.
+        self.properties.of(2, || self.section.properties())
     }
     fn planar_rule(&self, degree: usize) -> Result<Cubature<R, 1>> {
         self.planar.of(degree, || self.section.planar_rule(degree))
