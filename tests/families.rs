@@ -132,41 +132,57 @@ fn check_gradients<K, const D: usize, const S: usize, const N: usize>(
 ) where
     K: ElementKernel<f64, D, S>,
 {
-    let dual: [[DualSVec64<N>; D]; S] = std::array::from_fn(|i| {
-        std::array::from_fn(|c| DualSVec64::from_re(u[i][c]).derivative(i * D + c))
-    });
-    let gradient = |x: DualSVec64<N>, k: usize| x.eps.0.map_or(0.0, |eps| eps[k]);
-    let energy = kernel.energy(&dual);
-    let mut dual_force = [[DualSVec64::<N>::from_re(0.0); D]; S];
-    kernel.force(&dual, &mut dual_force);
-    let mut force = [[0.0; D]; S];
-    let mut tangent: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
-    kernel.tangent(u, &mut force, &mut tangent);
     // Over a step that ends here, with viscosity where there are strains.
     let viscosity = if kernel.has_strain() { 0.1 } else { 0.0 };
     let from: [[f64; D]; S] = std::array::from_fn(|i| u[S - 1 - i].map(|u| -0.5 * u));
-    let mut dual_secant = [[DualSVec64::<N>::from_re(0.0); D]; S];
-    let before = from.map(|v| v.map(DualSVec64::from_re));
-    kernel.secant(viscosity, &before, &dual, &mut dual_secant);
+    let before = from.map(|v| v.map(DualSVec64::<D>::from_re));
+    let gradient = |x: DualSVec64<D>, k: usize| x.eps.0.map_or(0.0, |eps| eps[k]);
+    let mut energy_gradient = [0.0; N];
+    let (mut force_gradient, mut secant_gradient) = ([[0.0; N]; N], [[0.0; N]; N]);
+    // One nodal vector after the other: the dual numbers that kernels differentiate in, too.
+    for varied in 0..S {
+        let dual: [[DualSVec64<D>; D]; S] = std::array::from_fn(|i| {
+            std::array::from_fn(|c| match DualSVec64::from_re(u[i][c]) {
+                x if i == varied => x.derivative(c),
+                x => x,
+            })
+        });
+        let energy = kernel.energy(&dual);
+        let mut force = [[DualSVec64::<D>::from_re(0.0); D]; S];
+        kernel.force(&dual, &mut force);
+        let mut secant = [[DualSVec64::<D>::from_re(0.0); D]; S];
+        kernel.secant(viscosity, &before, &dual, &mut secant);
+        for c in 0..D {
+            let j = varied * D + c;
+            energy_gradient[j] = gradient(energy, c);
+            for i in 0..N {
+                force_gradient[i][j] = gradient(force.as_flattened()[i], c);
+                secant_gradient[i][j] = gradient(secant.as_flattened()[i], c);
+            }
+        }
+    }
+    let mut force = [[0.0; D]; S];
+    let mut tangent: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
+    kernel.tangent(u, &mut force, &mut tangent);
     let mut secant_tangent: Tangent<f64, D, S> = [[[[0.0; D]; S]; D]; S];
     kernel.secant_tangent(viscosity, &from, u, &mut secant_tangent);
     let secant_rows = secant_tangent.as_flattened().as_flattened().as_flattened();
     let force = force.as_flattened();
     let rows = tangent.as_flattened().as_flattened().as_flattened();
     for i in 0..N {
-        let error = (force[i] - gradient(energy, i)).abs();
+        let error = (force[i] - energy_gradient[i]).abs();
         assert!(
             error <= 1e-12 * largest(force),
             "{name}: force {i} off by {error}"
         );
         for j in 0..N {
-            let truth = gradient(dual_force.as_flattened()[i], j);
+            let truth = force_gradient[i][j];
             let error = (rows[i * N + j] - truth).abs();
             assert!(
                 error <= 1e-12 * largest(rows),
                 "{name}: tangent {i}, {j} off by {error}"
             );
-            let truth = gradient(dual_secant.as_flattened()[i], j);
+            let truth = secant_gradient[i][j];
             let error = (secant_rows[i * N + j] - truth).abs();
             assert!(
                 error <= 1e-12 * largest(secant_rows),

@@ -475,7 +475,6 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
         let (_, stress) = Self::halves(&stack);
         let middle = between(from, to, half);
         let share = half + viscosity;
-        let mut relative: Tangent<T, D, S> = [[[[T::zero(); D]; S]; D]; S];
         let (terms, last) = (&self.terms, last_of(stress));
         for block in &terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
@@ -488,17 +487,13 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
             for c in 0..D {
                 for d in 0..D {
                     let diagonal = if c == d { geometric } else { T::zero() };
-                    relative[i][c][j][d] = diagonal.plus_times(share, upper[c][d]);
+                    k[i][c][j][d] = diagonal.plus_times(share, upper[c][d]);
                     if i != j {
-                        relative[j][c][i][d] = diagonal.plus_times(share, lower[d][c]);
+                        k[j][c][i][d] = diagonal.plus_times(share, lower[d][c]);
                     }
                 }
             }
         }
-        self.vectors.basis.change_tangent(&mut relative);
-        let sums = k.as_flattened_mut().as_flattened_mut();
-        for (k, row) in sums.iter_mut().zip(relative.as_flattened().as_flattened()) {
-            *k = sum(k, row);
-        }
+        self.vectors.basis.change_tangent(k);
     }
 }

@@ -305,7 +305,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
         }
     }
 
-    /// Adds the derivative of the secant force by `to`, which is not symmetric.
+    /// The derivative of the secant force by `to`, which overwrites all of `k`: it is not symmetric.
     fn secant_tangent<T: Algebra<R>>(
         &self,
         viscosity: R,
@@ -320,7 +320,7 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
             for i in 0..S {
                 for c in 0..D {
                     for d in 0..D {
-                        k[i][c][j][d] += T::derivative::<D>(&dual[i][c], d);
+                        k[i][c][j][d] = T::derivative::<D>(&dual[i][c], d);
                     }
                 }
             }

@@ -460,6 +460,7 @@ where
         to: &[[T; D]; S],
         k: &mut Tangent<T, D, S>,
     ) {
+        *k = [[[[T::zero(); D]; S]; D]; S];
         Self::at_stations::<T>(
             #[inline(always)]
             || {

@@ -176,12 +176,12 @@ pub(super) struct SecantStiffness<'a, C, R> {
 task!(SecantStiffness, Sink, true, |self, kernel, elements, k| {
     let chain = self.chain;
     let mut result = Ok(());
+    let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
     chain.groups::<L, 2>(
         elements,
         self.ends,
         #[inline(always)]
         |elements, _, [from, to]| {
-            let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
             kernel.secant_tangent(self.viscosity, from, to, &mut tangent);
             if result.is_ok() {
                 result = add_lanes(k, &tangent, chain.starts_in(elements));
