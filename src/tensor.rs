@@ -2,6 +2,35 @@
 //! nalgebra's: its matrix products shortcut on zero real parts, which drops derivatives when the
 //! scalar is a dual number.
 
+/// Runs a block for each index below a constant, written out where there are few: compilers unroll
+/// such loops, too, but take a time for it that grows with the square of the function they are in.
+macro_rules! each {
+    ($i:ident in $from:literal..$n:expr, $body:block) => {
+        each!(@some $i $from $n, $body, 0 1 2 3);
+        each!(@rest $i 4 $n, $body);
+    };
+    // Lanes, too.
+    (wide $i:ident in $from:literal..$n:expr, $body:block) => {
+        each!(@some $i $from $n, $body, 0 1 2 3 4 5 6 7);
+        each!(@rest $i 8 $n, $body);
+    };
+    (@some $i:ident $from:literal $n:expr, $body:block, $($at:literal)*) => {
+        $(each!(@one $i $at $from $n, $body);)*
+    };
+    (@rest $i:ident $at:literal $n:expr, $body:block) => {
+        if const { $n > $at } {
+            for $i in $at..$n $body
+        }
+    };
+    (@one $i:ident $at:literal $from:literal $n:expr, $body:block) => {
+        if const { $at >= $from && $at < $n } {
+            let $i: usize = $at;
+            $body
+        }
+    };
+}
+pub(crate) use each;
+
 #[allow(
     unsafe_code,
     reason = "room that is not filled before it is written to"
@@ -9,27 +38,14 @@
 mod room;
 
 use crate::scalar::{Algebra, Field, Real, Scalar};
-pub(crate) use room::Pairs;
+pub(crate) use room::{Pairs, array};
 pub use room::{Room, Stack};
-
-/// The array of `f(0)`, `f(1)`, ..: `std::array::from_fn` for kernels, which must be inlined whole to
-/// be compiled for the registers of lanes.
-#[inline(always)]
-pub(crate) fn array<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
-    let mut all = [f(0); N];
-    for i in 1..N {
-        all[i] = f(i);
-    }
-    all
-}
 
 /// `a . b`.
 #[inline(always)]
 pub(crate) fn dot<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = a[0] * b[0];
-    for c in 1..D {
-        sum = sum.plus_product(a[c], b[c]);
-    }
+    each!(c in 1..D, { sum = sum.plus_product(a[c], b[c]) });
     sum
 }
 
@@ -48,17 +64,13 @@ pub(crate) fn difference<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [
 /// `y += k x`.
 #[inline(always)]
 pub(crate) fn add_scaled<T: Scalar, const D: usize>(y: &mut [T; D], k: T, x: &[T; D]) {
-    for c in 0..D {
-        y[c] = y[c].plus_product(k, x[c]);
-    }
+    each!(c in 0..D, { y[c] = y[c].plus_product(k, x[c]) });
 }
 
 /// `y += r x` with `r` a parameter of the model.
 #[inline(always)]
 pub(crate) fn add_times<R: Copy, T: Algebra<R>, const D: usize>(y: &mut [T; D], r: R, x: &[T; D]) {
-    for c in 0..D {
-        y[c] = y[c].plus_times(r, x[c]);
-    }
+    each!(c in 0..D, { y[c] = y[c].plus_times(r, x[c]) });
 }
 
 /// `k x`.
@@ -92,9 +104,7 @@ pub(crate) fn between<R: Copy, T: Algebra<R>, const D: usize, const N: usize>(
 ) -> [[T; D]; N] {
     let mut between = *from;
     for i in 0..N {
-        for c in 0..D {
-            between[i][c] += (to[i][c] - from[i][c]).times(share);
-        }
+        each!(c in 0..D, { between[i][c] += (to[i][c] - from[i][c]).times(share) });
     }
     between
 }

@@ -2,7 +2,7 @@
 //! panics, and none is answered by a number.
 
 use ancf::analytical::{BendingSection, Elastica, EndMoment, pure_bending};
-use ancf::formulation::Layer;
+use ancf::formulation::{Layer, Reference};
 use ancf::prelude::*;
 use ancf::quadrature::{Cubature, disk_order, gauss_legendre, gauss_radau};
 use ancf::solver::{BandMatrix, Factor, Profile};
@@ -495,6 +495,29 @@ fn materials_that_are_constant_and_give_no_moduli() {
         result,
         &["Vague", "constant_elasticity", "Material::CONSTANT"],
     );
+}
+
+/// A frame for it is not compiled.
+#[test]
+fn formulations_that_do_not_tell_how_their_kernels_turn() {
+    #[derive(Debug, Clone)]
+    struct Silent(Formula);
+    impl Formulation<f64, FullyParameterised, 3, 8> for Silent {
+        type Kernel = <Formula as Formulation<f64, FullyParameterised, 3, 8>>::Kernel;
+
+        fn kernel(
+            &self,
+            element: &FullyParameterised,
+            reference: &Reference<f64, 3, 8>,
+            section: &dyn Section<f64>,
+        ) -> Result<Self::Kernel> {
+            self.0.kernel(element, reference, section)
+        }
+    }
+    let turned = CoMoving(Silent(Continuum::full(steel())));
+    let beam = Beam::new(FullyParameterised, Disk::new(0.1).unwrap(), turned);
+    let result = Scene::<f64, 3>::new().add(beam.straight([0.0; 3], [1.0, 0.0, 0.0], 1));
+    names(result, &["Silent", "turning_kernel"]);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //! refusal says, and that exact rules agree with any finer one.
 
 use ancf::formulation::{ContinuumKernel, ElementKernel, Reference};
+use ancf::material::Moduli;
 use ancf::prelude::*;
 
 fn kernel_of<const D: usize, const S: usize, F>(
@@ -142,6 +143,27 @@ fn the_full_rule_is_exact_and_the_reduced_one_is_not() {
 
 /// The two layers of selective reduced integration add up to the whole material where both are
 /// sampled alike, and a layer may be given by hand.
+/// What a material knows of itself is used where its type says that all of them know it.
+#[test]
+fn constant_materials_that_do_not_say_so_are_sampled() {
+    #[derive(Debug, Clone)]
+    struct Modest(SaintVenantKirchhoff<f64, 3>);
+    impl Material<f64, 3> for Modest {
+        fn energy<T: Algebra<f64>>(&self, strain: &[[T; 3]; 3]) -> T {
+            self.0.energy(strain)
+        }
+        fn constant_elasticity(&self) -> Option<Moduli<f64, 3>> {
+            panic!("a sampled material is not asked for its moduli");
+        }
+    }
+    let disk = Disk::new(0.02).unwrap();
+    let u = state(1e-2);
+    let said = kernel_of::<3, 8, _>(&Continuum::full(steel::<3>()), &disk).unwrap();
+    let unsaid = kernel_of::<3, 8, _>(&Continuum::full(Modest(steel())), &disk).unwrap();
+    let (said, unsaid): (f64, f64) = (said.energy(&u), unsaid.energy(&u));
+    assert!((said - unsaid).abs() < 1e-12 * said, "{said} {unsaid}");
+}
+
 #[test]
 fn the_parts_of_a_material_add_up() {
     let disk = Disk::new(0.02).unwrap();

@@ -10,10 +10,10 @@ use super::products::magnitude;
 use super::relative::Positions;
 use super::{ElementKernel, Formulation, Reference, Tangent};
 use crate::element::{Element, NodalVector};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, cross, dot};
+use crate::tensor::{add_scaled, cross, dot, each};
 
 /// A formulation that keeps its digits however far elements turn.
 ///
@@ -33,7 +33,7 @@ use crate::tensor::{add_scaled, cross, dot};
 /// Where forces of slender or far turned beams must be more exact than the type's arithmetic gives
 /// them, in single precision above all. The error of the transverse force in arithmetic, over the
 /// load, eight elements bent by 0.46 rad, `f32` (`cargo test --features double-double --test
-/// double_double slender -- --nocapture`), framed at section points:
+/// beams double_double::slender -- --nocapture`), framed at section points:
 ///
 /// | R/L | turned by | textbook | displacements | framed | co-moving continuum |
 /// |---|---|---|---|---|---|
@@ -94,6 +94,12 @@ where
     ) -> Result<Self::Kernel> {
         if let Some(kernel) = self.0.turning_kernel(element, reference, section)? {
             return Ok(Either::First(kernel));
+        }
+        if F::Kernel::TURNS {
+            return Err(Error::Unsupported {
+                what: format!("{self:?}, whose kernels turn, without a turning_kernel"),
+                remedy: "give Formulation::turning_kernel, by that of the formulation whose kernels these are",
+            });
         }
         let kernel = self.0.kernel(element, reference, section)?;
         Ok(Either::Second(FramedKernel::new(kernel, reference)))
@@ -172,11 +178,11 @@ where
         let (mut coarse, mut fine) = (*u, *u);
         for i in 0..S {
             let grid = T::lift(self.grid[i]);
-            for c in 0..D {
+            each!(c in 0..D, {
                 let rounded = (u[i][c] + grid) - grid;
                 coarse[i][c] = rounded;
                 fine[i][c] -= rounded;
-            }
+            });
         }
         self.positions.make_relative(&mut coarse);
         self.positions.make_relative(&mut fine);
@@ -219,9 +225,9 @@ where
         let unit = T::lift(self.unit);
         let mut sharp = [[T::zero(); D]; D];
         for k in 0..D {
-            for a in 0..D {
+            each!(a in 0..D, {
                 add_scaled(&mut sharp[k], T::lift(self.frame[a][k]), &frame[a]);
-            }
+            });
             sharp[k] = sharp[k].map(|q| (q + unit) - unit);
         }
         let defect: [[T; D]; D] = std::array::from_fn(|a| {
@@ -233,9 +239,9 @@ where
         // (1 + D)^(-1/2) - 1 = -D (1/2 - D (3/8 - 5/16 D))
         let constant_minus = |constant: f64, m: [[T; D]; D]| {
             let mut difference = m.map(|row| row.map(|d| -d));
-            for a in 0..D {
+            each!(a in 0..D, {
                 difference[a][a] += T::lit(constant);
-            }
+            });
             difference
         };
         let series = defect.map(|row| row.map(|d| d * T::lit(0.3125)));
@@ -261,10 +267,10 @@ where
     fn parts<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> ([[T; D]; S], [[T; D]; S]) {
         let (mut coarse, mut fine) = self.split(u);
         for i in 0..S {
-            for c in 0..D {
+            each!(c in 0..D, {
                 coarse[i][c] += T::lift(self.coarse[i][c]);
                 fine[i][c] += T::lift(self.fine[i][c]);
-            }
+            });
         }
         (coarse, fine)
     }
@@ -278,12 +284,12 @@ where
     ) -> [[T; D]; S] {
         let mut local = [[T::zero(); D]; S];
         for i in 0..S {
-            for k in 0..D {
+            each!(k in 0..D, {
                 let exact = dot(&rotation.sharp[k], &coarse[i]) - T::lift(self.coarse[i][k]);
                 let small = dot(&rotation.rest[k], &coarse[i])
                     + (dot(&rotation.whole[k], &fine[i]) - T::lift(self.fine[i][k]));
                 local[i][k] = exact + small;
-            }
+            });
         }
         if let Some((first, _)) = self.positions.split() {
             local[first] = [T::zero(); D];
@@ -301,9 +307,9 @@ where
     ) {
         let mut turned = [[T::zero(); D]; S];
         for i in 0..S {
-            for k in 0..D {
+            each!(k in 0..D, {
                 add_scaled(&mut turned[i], local[i][k], &rotation.whole[k]);
-            }
+            });
         }
         if let Some((first, _)) = self.positions.split() {
             turned[first] = [T::zero(); D];
@@ -318,6 +324,8 @@ where
     E: Element<D, S>,
     K: ElementKernel<R, D, S>,
 {
+    const ABSENT: bool = K::TURNS;
+
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         self.kernel.energy(&self.local(u).1)
     }
@@ -367,21 +375,21 @@ where
             for j in (i..S).filter(|j| Some(*j) != first) {
                 let mut half = [[T::zero(); D]; D];
                 for a in 0..D {
-                    for b in 0..D {
+                    each!(b in 0..D, {
                         add_scaled(&mut half[a], tangent[i][a][j][b], &turn[b]);
-                    }
+                    });
                 }
                 let mut block = [[T::zero(); D]; D];
                 for a in 0..D {
-                    for c in 0..D {
+                    each!(c in 0..D, {
                         add_scaled(&mut block[c], turn[a][c], &half[a]);
-                    }
+                    });
                 }
                 for c in 0..D {
                     turned[i][c][j] = block[c];
-                    for d in 0..D {
+                    each!(d in 0..D, {
                         turned[j][d][i][c] = block[c][d];
-                    }
+                    });
                 }
             }
         }
@@ -427,9 +435,9 @@ fn beside<T: Field>(a: &[T; 3]) -> [T; 3] {
 fn product<T: Scalar, const D: usize>(a: &[[T; D]; D], b: &[[T; D]; D]) -> [[T; D]; D] {
     let mut product = [[T::zero(); D]; D];
     for i in 0..D {
-        for k in 0..D {
+        each!(k in 0..D, {
             add_scaled(&mut product[i], a[i][k], &b[k]);
-        }
+        });
     }
     product
 }

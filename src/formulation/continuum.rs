@@ -150,7 +150,7 @@ impl<M: PoissonSplit> Continuum<M> {
 /// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Constant elasticity in every layer is integrated once
 /// and for all, everything else sampled at every evaluation, on a straight reference or on another.
 pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> = Either<
-    Either<GramKernel<R, Direct, D, S>, GramKernel<R, InParts<R, D, S>, D, S>>,
+    Either<GramKernel<R, M, Direct, D, S>, GramKernel<R, M, InParts<R, D, S>, D, S>>,
     Either<PointKernel<R, M, D, S, K, true>, PointKernel<R, M, D, S, K, false>>,
 >;
 
@@ -170,7 +170,7 @@ impl<M> Continuum<M> {
         }
     }
 
-    /// The energy of all layers as a form, if each has constant elasticity.
+    /// The energy of all layers as a form, if their material's elasticity is constant.
     fn form<R, E, const D: usize, const S: usize, const K: usize>(
         &self,
         element: &E,
@@ -190,9 +190,17 @@ impl<M> Continuum<M> {
                 remedy: "give at least one layer, or use Continuum::full",
             });
         }
+        if !M::CONSTANT {
+            return Ok(None);
+        }
         let moduli = |layer: &Layer<M>| layer.material.constant_elasticity();
         let Some(moduli) = self.layers.iter().map(moduli).collect::<Option<Vec<_>>>() else {
-            return Ok(None);
+            return Err(Error::Unsupported {
+                what: format!(
+                    "{self:?}, of a material that is CONSTANT and has no constant_elasticity"
+                ),
+                remedy: "give the moduli of a material whose elasticity is constant, or leave Material::CONSTANT false",
+            });
         };
         let samples: [_; K] = section_samples(element, reference.length)?;
         let mut form = Form::new();
@@ -216,15 +224,9 @@ impl<M> Continuum<M> {
         M: Material<R, D>,
     {
         if let Some(form) = self.form::<R, E, D, S, K>(element, reference, section)? {
-            return Ok(Either::First(Either::First(form.kernel::<E, _>(reference))));
-        }
-        if M::CONSTANT {
-            return Err(Error::Unsupported {
-                what: format!(
-                    "{self:?}, of a material that is CONSTANT and has no constant_elasticity"
-                ),
-                remedy: "give the moduli of a material whose elasticity is constant, or leave Material::CONSTANT false",
-            });
+            return Ok(Either::First(Either::First(
+                form.kernel::<E, _, _>(reference),
+            )));
         }
         Ok(Either::Second(match reference.is_straight() {
             true => Either::First(self.sampled_kernel(element, reference, section)?),
@@ -294,7 +296,7 @@ macro_rules! dimension {
                 section: &dyn Section<R>,
             ) -> Result<Option<Self::Kernel>> {
                 let form = self.form::<R, E, $d, S, $k>(element, reference, section)?;
-                let kernel = |form: Form<R, $d, S>| form.kernel::<E, _>(reference);
+                let kernel = |form: Form<R, $d, S>| form.kernel::<E, _, _>(reference);
                 Ok(form.map(|form| Either::First(Either::Second(kernel(form)))))
             }
 

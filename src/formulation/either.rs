@@ -13,14 +13,21 @@ pub enum Either<A, B> {
     Second(B),
 }
 
-/// Calls a method of the kernel there is.
+/// Calls a method of the kernel there is, constants of blocks telling which there can be.
 macro_rules! of_either {
     ($self:ident.$method:ident($($argument:expr),*)) => {
         match $self {
-            Self::First(kernel) => kernel.$method($($argument),*),
-            Self::Second(kernel) => kernel.$method($($argument),*),
+            Self::First(kernel) if const { !A::ABSENT } => kernel.$method($($argument),*),
+            Self::Second(kernel) if const { !B::ABSENT } => kernel.$method($($argument),*),
+            _ => absent(),
         }
     };
+}
+
+#[cold]
+#[inline(never)]
+fn absent() -> ! {
+    unreachable!("no element is made of a kernel that is ABSENT")
 }
 
 impl<R, A, B, const D: usize, const S: usize> ElementKernel<R, D, S> for Either<A, B>
@@ -29,6 +36,9 @@ where
     A: ElementKernel<R, D, S>,
     B: ElementKernel<R, D, S>,
 {
+    const ABSENT: bool = A::ABSENT && B::ABSENT;
+    const TURNS: bool = (A::ABSENT || A::TURNS) && (B::ABSENT || B::TURNS);
+
     #[inline(always)]
     fn dispatch<W: KernelWork<R, D, S>>(&self, work: W) -> W::Output {
         of_either!(self.dispatch(work))

@@ -6,12 +6,14 @@
 
 mod form;
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::products::{Products, Vectors, vanishes};
 use super::{ElementKernel, Tangent, Together, mirrored};
+use crate::material::Material;
 use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, sum, times};
+use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, each, sum, times};
 pub(super) use form::Form;
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
@@ -86,8 +88,11 @@ struct Terms {
 /// `sigma_ij I + sum_kl C_(ik)(jl) v_k v_l^T`. How changes keep their digits is told by `P`, a
 /// [`Products`]. An entry of `C` below 64 rounding units of its diagonal ones is taken for rounding: in
 /// single precision an eccentricity of less than `8e-6` radii of gyration is none.
+///
+/// Kernels of all materials are alike; the type `M` tells that there are none of a material that is sampled.
 #[derive(Debug, Clone)]
-pub struct GramKernel<R, P, const D: usize, const S: usize> {
+pub struct GramKernel<R, M, P, const D: usize, const S: usize> {
+    material: PhantomData<fn() -> M>,
     products: P,
     vectors: Vectors<R, D, S>,
     /// The forms of all groups, and a zero.
@@ -205,9 +210,9 @@ impl<const N: usize> Dyad<N> {
             add_times(&mut along, value(*at), &rights[vector(*right)]);
         }
         let left = &lefts[vector(self.left)];
-        for c in 0..D {
+        each!(c in 0..D, {
             add_scaled(&mut block[c], left[c], &along);
-        }
+        });
     }
 }
 
@@ -218,9 +223,9 @@ fn stress_of<R: Real, T: Algebra<R>, const N: usize>(form: &mut &[R], changes: &
     *form = rest;
     let mut sums = [T::zero(); N];
     for (column, change) in columns.as_chunks::<N>().0.iter().zip(changes) {
-        for r in 0..N {
+        each!(r in 0..N, {
             sums[r] = sums[r].plus_times(column[r], *change);
-        }
+        });
     }
     sums
 }
@@ -237,10 +242,10 @@ fn force_on<T: Scalar, const D: usize, const N: usize>(
     *places = rest;
     let mut sums = [[T::zero(); D]; N];
     for (column, v) in columns.as_chunks::<N>().0.iter().zip(v) {
-        for n in 0..N {
+        each!(n in 0..N, {
             // The minimum is an identity; it lets the optimiser drop the bounds check.
             add_scaled(&mut sums[n], stress[(column[n] as usize).min(last)], v);
-        }
+        });
     }
     sums
 }
@@ -255,7 +260,11 @@ fn last_of<T>(numbers: &[T]) -> usize {
     numbers.len() - 1
 }
 
-impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R, P, D, S> {
+impl<R, M, P, const D: usize, const S: usize> GramKernel<R, M, P, D, S>
+where
+    R: Real,
+    P: Products<R, D, S>,
+{
     /// Puts what is conjugate to the products, and a zero, on top of their changes.
     #[inline(always)]
     fn stress<T: Algebra<R>>(&self, stack: &mut Stack<'_, T>) {
@@ -323,13 +332,13 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
         for block in &terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
-            for c in 0..D {
+            each!(c in 0..D, {
                 sum[c][c] = stress[(block.stress as usize).min(last)];
-            }
+            });
             terms.add_dyads(&self.form, block, (v, v), &mut sum);
-            for c in 0..D {
+            each!(c in 0..D, {
                 k[i][c][j] = sum[c];
-            }
+            });
         }
         self.vectors.basis.change_upper(k);
     }
@@ -387,10 +396,15 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> GramKernel<R
     }
 }
 
-impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKernel<R, D, S>
-    for GramKernel<R, P, D, S>
+impl<R, M, P, const D: usize, const S: usize> ElementKernel<R, D, S> for GramKernel<R, M, P, D, S>
+where
+    R: Real,
+    M: Material<R, D>,
+    P: Products<R, D, S>,
 {
     const TOGETHER: Together = Together::InPairs;
+    const ABSENT: bool = !M::CONSTANT;
+    const TURNS: bool = true;
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
@@ -485,13 +499,13 @@ impl<R: Real, P: Products<R, D, S>, const D: usize, const S: usize> ElementKerne
             let mut lower = [[T::zero(); D]; D];
             terms.add_dyads(&self.form, block, (to, &middle), &mut lower);
             for c in 0..D {
-                for d in 0..D {
+                each!(d in 0..D, {
                     let diagonal = if c == d { geometric } else { T::zero() };
                     k[i][c][j][d] = diagonal.plus_times(share, upper[c][d]);
                     if i != j {
                         k[j][c][i][d] = diagonal.plus_times(share, lower[d][c]);
                     }
-                }
+                });
             }
         }
         self.vectors.basis.change_tangent(k);

@@ -14,8 +14,8 @@ use super::{ElementKernel, Reference, Tangent, Together, mirrored};
 use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
-use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{add_scaled, add_times, array, times};
+use crate::scalar::{Algebra, Real};
+use crate::tensor::{add_scaled, add_times, array, each, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,9 +116,9 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
                 let block: [[T; D]; D] = array(|c| times(self.weight, &stiffness[k][l][c]));
                 for (i, left) in self.rows[k].iter() {
                     for (j, right) in self.rows[l].iter() {
-                        for c in 0..D {
+                        each!(c in 0..D, {
                             add_times(&mut tangent[i][c][j], left * right, &block[c]);
-                        }
+                        });
                     }
                 }
             }
@@ -205,24 +205,24 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> 
             for Term { pair, weight } in &block.terms[0] {
                 let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
                 for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
-                    for c in 0..D {
+                    each!(c in 0..D, {
                         add_times(&mut sum[c], *weight, &s[k][l][c]);
-                    }
+                    });
                 }
             }
             for Term { pair, weight } in &block.terms[1] {
                 let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
                 for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
                     for c in 0..D {
-                        for d in 0..D {
+                        each!(d in 0..D, {
                             sum[d][c] = sum[d][c].plus_times(*weight, s[k][l][c][d]);
-                        }
+                        });
                     }
                 }
             }
-            for c in 0..D {
+            each!(c in 0..D, {
                 tangent[i][c][j] = sum[c];
-            }
+            });
         }
     }
 }
@@ -308,19 +308,11 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    /// What a number type computes of stations. Of a law that no element has, nothing is compiled.
-    #[inline(always)]
-    fn at_stations<T: Scalar>(work: impl FnMut()) {
-        if !L::ABSENT {
-            T::outlined(work);
-        }
-    }
-
     /// Overwrites the upper blocks of the tangent; the force, relative to the first position.
     #[inline(always)]
     fn upper_of<T: Algebra<R>>(&self, u: &[[T; D]; S], k: &mut Tangent<T, D, S>) -> [[T; D]; S] {
         let mut f = [[T::zero(); D]; S];
-        Self::at_stations::<T>(
+        T::outlined(
             #[inline(always)]
             || {
                 let mut v = *u;
@@ -354,15 +346,16 @@ where
     R: Real,
     L: SectionLaw<R, D, K>,
 {
-    const TOGETHER: Together = match L::LANES && !L::ABSENT {
+    const TOGETHER: Together = match L::LANES {
         true => Together::InLanes,
         false => Together::Never,
     };
+    const ABSENT: bool = L::ABSENT;
 
     #[inline(always)]
     fn energy<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> T {
         let mut energy = T::zero();
-        Self::at_stations::<T>(
+        T::outlined(
             #[inline(always)]
             || {
                 let mut v = *u;
@@ -380,7 +373,7 @@ where
 
     #[inline(always)]
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
-        Self::at_stations::<T>(
+        T::outlined(
             #[inline(always)]
             || {
                 let mut v = *u;
@@ -433,7 +426,7 @@ where
         to: &[[T; D]; S],
         q: &mut [[T; D]; S],
     ) {
-        Self::at_stations::<T>(
+        T::outlined(
             #[inline(always)]
             || {
                 let (mut from, mut to) = (*from, *to);
@@ -461,7 +454,7 @@ where
         k: &mut Tangent<T, D, S>,
     ) {
         *k = [[[[T::zero(); D]; S]; D]; S];
-        Self::at_stations::<T>(
+        T::outlined(
             #[inline(always)]
             || {
                 let (mut from, mut to) = (*from, *to);

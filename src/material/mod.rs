@@ -8,7 +8,7 @@ pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 use std::fmt::Debug;
 
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, dot, gauss_pair};
+use crate::tensor::{add_scaled, add_times, array, between, dot, each, gauss_pair};
 
 /// A symmetric tensor or the columns of a gradient: `D x D` numbers.
 pub type Tensor<T, const D: usize> = [[T; D]; D];
@@ -34,9 +34,9 @@ impl<R: Real, const D: usize> Moduli<R, D> {
         let two = R::lit(2.0);
         let mut stress = [[T::zero(); D]; D];
         for a in 0..D {
-            for b in 0..D {
+            each!(b in 0..D, {
                 stress[a][a] += strain[b][b].times(self.normal[a][b]);
-            }
+            });
             for b in a + 1..D {
                 stress[a][b] = strain[a][b].times(two * self.shear[a][b]);
                 stress[b][a] = stress[a][b];
@@ -57,9 +57,9 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
     /// [`SectionLaw::LANES`](crate::formulation::SectionLaw::LANES). By default they do not.
     const LANES: bool = false;
 
-    /// Whether all materials of this type have a [constant elasticity](Self::constant_elasticity): then
-    /// none is ever sampled by an element, and no program compiles what would. By default that is not
-    /// known. A beam of one that says so and has none is refused.
+    /// Whether all materials of this type have a [constant elasticity](Self::constant_elasticity): elements
+    /// are then integrated once and for all, and no program compiles what would sample them. By default
+    /// they are sampled at every evaluation. A beam of a material that says so and has none is refused.
     const CONSTANT: bool = false;
 
     /// Strain energy density `psi(E)` (J/m^3) (eq. 10 of Orzechowski 2012), as a function of all
@@ -82,9 +82,9 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         let mut mean = [[T::zero(); D]; D];
         for share in gauss_pair::<R>() {
             let stress = self.stress(&between(from, to, share));
-            for a in 0..D {
+            each!(a in 0..D, {
                 add_times(&mut mean[a], R::lit(0.5), &stress[a]);
-            }
+            });
         }
         mean
     }
@@ -124,8 +124,8 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
     }
 
     /// The moduli of a law whose elasticity is the same at every strain; none by default. Elements of
-    /// such a material are integrated once and for all, straight or curved, and its energy and
-    /// stress are not asked for again. [`verify::material`](crate::verify::material) checks that
+    /// a material that is [`CONSTANT`](Self::CONSTANT) are integrated once and for all with them, straight or
+    /// curved, and its energy and stress are not asked for again. [`verify::material`](crate::verify::material) checks that
     /// they agree.
     #[inline]
     fn constant_elasticity(&self) -> Option<Moduli<R, D>> {
@@ -143,12 +143,12 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
             for b in a..D {
                 for e in 0..D {
                     let mut column = [T::zero(); D];
-                    for f in 0..D {
+                    each!(f in 0..D, {
                         add_scaled(&mut column, elasticity[a][e][b][f], &c[f]);
-                    }
-                    for i in 0..D {
+                    });
+                    each!(i in 0..D, {
                         add_scaled(&mut blocks[a][b][i], c[e][i], &column);
-                    }
+                    });
                 }
             }
         }
@@ -226,11 +226,11 @@ fn by_strain<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
     let mut elasticity = [[[[T::zero(); D]; D]; D]; D];
     for (k, (b, f)) in pairs::<D>() {
         for a in 0..D {
-            for e in 0..D {
+            each!(e in 0..D, {
                 let value = share(b, f, T::derivative::<N>(&stress[a][e], k));
                 elasticity[a][e][b][f] = value;
                 elasticity[a][e][f][b] = value;
-            }
+            });
         }
     }
     elasticity

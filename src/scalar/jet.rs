@@ -24,12 +24,12 @@ macro_rules! by_jet {
         fn constant<const M: usize>(self) -> Jet<Self, M> {
             Jet {
                 re: self,
-                eps: [Self::zero(); M],
+                eps: $crate::tensor::array(|_| Self::zero()),
             }
         }
         #[inline(always)]
         fn variable<const M: usize>(self, k: usize) -> Jet<Self, M> {
-            let eps = [Self::zero(); M];
+            let eps = $crate::tensor::array(|_| Self::zero());
             let mut jet = Jet { re: self, eps };
             jet.eps[k] = Self::one();
             jet
@@ -51,7 +51,7 @@ impl<T: Field, const N: usize> Jet<T, N> {
     fn constant(re: T) -> Self {
         Self {
             re,
-            eps: [T::zero(); N],
+            eps: array(|_| T::zero()),
         }
     }
 

@@ -16,7 +16,7 @@ use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use super::lanes::blocks;
 use super::mask::{Mask, parted};
 use super::{Algebra, Field, Jet, LaneWork, Lanes, Real, Registers, Scalar, jet};
-use crate::tensor::array;
+use crate::tensor::{array, each};
 
 /// `N` numbers that go through a computation together.
 ///
@@ -94,7 +94,7 @@ impl<L: Field, const C: usize, const FUSED: bool> Neg for Wide<L, C, FUSED> {
 impl<L: Field, const C: usize, const FUSED: bool> Zero for Wide<L, C, FUSED> {
     #[inline(always)]
     fn zero() -> Self {
-        Self([L::zero(); C])
+        Self(array(|_| L::zero()))
     }
     fn is_zero(&self) -> bool {
         self.0.iter().all(L::is_zero)
@@ -103,13 +103,13 @@ impl<L: Field, const C: usize, const FUSED: bool> Zero for Wide<L, C, FUSED> {
 impl<L: Field, const C: usize, const FUSED: bool> One for Wide<L, C, FUSED> {
     #[inline(always)]
     fn one() -> Self {
-        Self([L::one(); C])
+        Self(array(|_| L::one()))
     }
 }
 impl<L: Field, const C: usize, const FUSED: bool> Scalar for Wide<L, C, FUSED> {
     #[inline(always)]
     fn lit(x: f64) -> Self {
-        Self([L::lit(x); C])
+        Self(array(|_| L::lit(x)))
     }
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
@@ -192,9 +192,7 @@ where
     }
     #[inline(always)]
     fn store(self, to: &mut [Pack<R, N>]) {
-        for (m, register) in self.0.into_iter().enumerate() {
-            register.store(&mut to[0].0[m * L::WIDTH..]);
-        }
+        each!(m in 0..C, { self.0[m].store(&mut to[0].0[m * L::WIDTH..]) });
     }
     #[inline(always)]
     fn gather(x: &[Pack<R, N>], starts: impl Fn(usize) -> usize, columns: &mut [Self]) {
@@ -206,10 +204,10 @@ where
     fn scatter(columns: &[Self], x: &mut [Pack<R, N>], starts: impl Fn(usize) -> Option<usize>) {
         let Some(start) = starts(0) else { return };
         for (x, column) in x[start..start + columns.len()].iter_mut().zip(columns) {
-            for (m, register) in column.0.into_iter().enumerate() {
+            each!(m in 0..C, {
                 let numbers = &mut x.0[m * L::WIDTH..];
-                (L::load(numbers) + register).store(numbers);
-            }
+                (L::load(numbers) + column.0[m]).store(numbers);
+            });
         }
     }
 }
@@ -219,11 +217,8 @@ macro_rules! operators {
         impl $trait for $p {
             type Output = Self;
             #[inline(always)]
-            fn $method(mut self, other: Self) -> Self {
-                for lane in 0..$n {
-                    self.0[lane] = $trait::$method(self.0[lane], other.0[lane]);
-                }
-                self
+            fn $method(self, other: Self) -> Self {
+                Self(array(|lane| $trait::$method(self.0[lane], other.0[lane])))
             }
         }
         impl $trait<&Self> for $p {
@@ -295,11 +290,8 @@ macro_rules! packs {
         impl Neg for Pack<$r, $n> {
             type Output = Self;
             #[inline(always)]
-            fn neg(mut self) -> Self {
-                for lane in 0..$n {
-                    self.0[lane] = -self.0[lane];
-                }
-                self
+            fn neg(self) -> Self {
+                Self(array(|lane| -self.0[lane]))
             }
         }
         impl Inv for Pack<$r, $n> {
@@ -311,7 +303,7 @@ macro_rules! packs {
         impl From<$r> for Pack<$r, $n> {
             #[inline(always)]
             fn from(x: $r) -> Self {
-                Self([x; $n])
+                Self(array(|_| x))
             }
         }
         impl Sum for Pack<$r, $n> {

@@ -159,13 +159,9 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                     std::array::from_fn(|c| from[c] + along * frame[0][c])
                 };
                 let (kernel, link) = self.link(section, reference)?;
-                let chain = Chain {
-                    element: self.element,
-                    kernels: vec![kernel],
-                    links: vec![link],
-                    starts: (0..elements).map(start).collect(),
-                    offset,
-                };
+                let starts = (0..elements).map(start).collect();
+                let parts = (vec![kernel], vec![link]);
+                let chain = Chain::new(self.element, parts, starts, offset);
                 (chain, vec![frame], length)
             }
             Axis::Curved { length, curve } => {
@@ -185,13 +181,8 @@ impl<R: Real, E, F, X, const D: usize> Beam<R, E, F, X, D> {
                     links.push(link);
                 }
                 let start = |n: usize| nodes[n * (E::NODES - 1)].0;
-                let chain = Chain {
-                    element: self.element,
-                    kernels,
-                    links,
-                    starts: (0..elements).map(start).collect(),
-                    offset,
-                };
+                let starts = (0..elements).map(start).collect();
+                let chain = Chain::new(self.element, (kernels, links), starts, offset);
                 (
                     chain,
                     nodes.into_iter().map(|(_, frame)| frame).collect(),

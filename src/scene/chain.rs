@@ -1,5 +1,7 @@
 //! A body of the system: a chain of elements of one family behind one dynamic call per evaluation, so
-//! that the loop over elements is monomorphic in element, formulation and number type.
+//! that the loop over elements is monomorphic in kernel and number type. Elements that kernels do not
+//! differ by share that loop: what a chain knows of its element is how nodes are numbered, and a dynamic
+//! call for what is asked between evaluations.
 
 mod shares;
 mod works;
@@ -19,15 +21,29 @@ use works::{Acceleration, Force, Secant, SecantStiffness, Stiffness};
 /// Elements in a row that share their end nodes. Coordinates are contiguous: element `n` reads one
 /// slice of the system's vector.
 #[derive(Debug)]
-pub(super) struct Chain<R, E, Kn, const D: usize, const S: usize> {
-    pub(super) element: E,
+pub(super) struct Chain<R, Kn, const D: usize, const S: usize> {
+    element: Box<dyn Shaped<R, D, S>>,
+    /// Vectors of every node, and nodes of an element.
+    vectors: &'static [NodalVector],
+    nodes: usize,
     /// One kernel for all elements of a straight beam, one for each of a curved one.
-    pub(super) kernels: Vec<Kn>,
+    kernels: Vec<Kn>,
     /// As many.
-    pub(super) links: Vec<Link<R, D, S>>,
+    links: Vec<Link<R, D, S>>,
     /// Position of the first node of each element.
-    pub(super) starts: Vec<[R; D]>,
-    pub(super) offset: usize,
+    starts: Vec<[R; D]>,
+    offset: usize,
+}
+
+/// The shape functions of an element in the numbers of the model.
+trait Shaped<R, const D: usize, const S: usize>: Debug + Send + Sync {
+    fn shape(&self, length: R, x: [R; D]) -> [R; S];
+}
+
+impl<R: Real, E: Element<D, S>, const D: usize, const S: usize> Shaped<R, D, S> for E {
+    fn shape(&self, length: R, x: [R; D]) -> [R; S] {
+        Element::shape(self, length, x)
+    }
 }
 
 /// What else one element of a chain is made of.
@@ -120,19 +136,19 @@ pub(super) struct Body<R, const D: usize> {
 }
 
 impl<R: Real, const D: usize> Body<R, D> {
-    pub(super) fn new<E, Kn, const S: usize>(
-        chain: Chain<R, E, Kn, D, S>,
+    pub(super) fn new<Kn, const S: usize>(
+        chain: Chain<R, Kn, D, S>,
         frames: Vec<[[R; D]; D]>,
         length: R,
         description: String,
     ) -> Self
     where
-        E: Element<D, S>,
         Kn: ElementKernel<R, D, S>,
     {
-        let nodes = (E::NODES - 1) * chain.starts.len() + 1;
-        let count = nodes * E::VECTORS.len() * D;
-        let place = |a| E::VECTORS.iter().position(|v| *v == NodalVector::Slope(a));
+        let nodes = (chain.nodes - 1) * chain.starts.len() + 1;
+        let vectors = chain.vectors;
+        let count = nodes * vectors.len() * D;
+        let place = |a| vectors.iter().position(|v| *v == NodalVector::Slope(a));
         let mut slopes = Some([0; D]);
         for a in 0..D {
             slopes = slopes.zip(place(a)).map(|(mut all, at)| {
@@ -143,7 +159,7 @@ impl<R: Real, const D: usize> Body<R, D> {
         Self {
             slopes,
             description,
-            vectors: E::VECTORS,
+            vectors,
             nodes,
             range: chain.offset..chain.offset + count,
             frames,
@@ -230,13 +246,36 @@ impl<R: Real, const D: usize> Body<R, D> {
     }
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> Chain<R, E, Kn, D, S>
+impl<R, Kn, const D: usize, const S: usize> Chain<R, Kn, D, S>
 where
     R: Real,
-    E: Element<D, S>,
     Kn: ElementKernel<R, D, S>,
 {
-    const STRIDE: usize = (E::NODES - 1) * E::VECTORS.len() * D;
+    /// Of elements that start at these positions, with one kernel and link for all or one for each, and
+    /// coordinates from an offset on.
+    pub(super) fn new<E: Element<D, S>>(
+        element: E,
+        parts: (Vec<Kn>, Vec<Link<R, D, S>>),
+        starts: Vec<[R; D]>,
+        offset: usize,
+    ) -> Self {
+        let (kernels, links) = parts;
+        Self {
+            element: Box::new(element),
+            vectors: E::VECTORS,
+            nodes: E::NODES,
+            kernels,
+            links,
+            starts,
+            offset,
+        }
+    }
+
+    /// Coordinates from an element to the next.
+    #[inline(always)]
+    fn stride(&self) -> usize {
+        (self.nodes - 1) * self.vectors.len() * D
+    }
 
     #[inline(always)]
     fn link(&self, element: usize) -> &Link<R, D, S> {
@@ -244,7 +283,7 @@ where
     }
 
     fn range(&self, element: usize) -> Range<usize> {
-        let start = self.offset + element * Self::STRIDE;
+        let start = self.offset + element * self.stride();
         start..start + S * D
     }
 
@@ -306,10 +345,9 @@ where
     }
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, E, Kn, D, S>
+impl<R, Kn, const D: usize, const S: usize> Elastic<R, D> for Chain<R, Kn, D, S>
 where
     R: Real,
-    E: Element<D, S>,
     Kn: ElementKernel<R, D, S>,
 {
     fn energy(&self, u: &[R]) -> R {
@@ -377,7 +415,7 @@ where
         for n in 0..self.starts.len() {
             let mut vectors = self.link(n).reference.vectors;
             for (i, vector) in vectors.iter_mut().enumerate() {
-                if E::VECTORS[i % E::VECTORS.len()] == NodalVector::Position {
+                if self.vectors[i % self.vectors.len()] == NodalVector::Position {
                     *vector = sum(vector, &self.starts[n]);
                 }
             }
@@ -386,11 +424,11 @@ where
     }
 
     fn vector(&self, node: usize, vector: NodalVector) -> [R; D] {
-        let element = (node / (E::NODES - 1)).min(self.starts.len() - 1);
-        let local = node - element * (E::NODES - 1);
+        let element = (node / (self.nodes - 1)).min(self.starts.len() - 1);
+        let local = node - element * (self.nodes - 1);
         let nodal = &self.link(element).reference.vectors;
-        let place = E::VECTORS.iter().position(|v| *v == vector);
-        let value = place.map_or([R::zero(); D], |at| nodal[local * E::VECTORS.len() + at]);
+        let place = self.vectors.iter().position(|v| *v == vector);
+        let value = place.map_or([R::zero(); D], |at| nodal[local * self.vectors.len() + at]);
         match vector {
             NodalVector::Position => sum(&value, &self.starts[element]),
             NodalVector::Slope(_) => value,

@@ -3,6 +3,16 @@
 
 use std::mem::MaybeUninit;
 
+/// The array of `f(0)`, `f(1)`, ..: `std::array::from_fn` for kernels, which must be inlined whole to
+/// be compiled for the registers of lanes.
+#[inline(always)]
+pub(crate) fn array<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
+    let mut all = [const { MaybeUninit::uninit() }; N];
+    each!(wide i in 0..N, { all[i] = MaybeUninit::new(f(i)) });
+    // SAFETY: all of them have been written, and an array of these is laid out as one of their values.
+    unsafe { all.as_ptr().cast::<[T; N]>().read() }
+}
+
 /// Room for an array, which is written before it is read.
 #[derive(Debug)]
 pub struct Room<A>(MaybeUninit<A>);

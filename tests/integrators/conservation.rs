@@ -3,7 +3,7 @@
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Solid, Swing, pendulum, rubber, thrown};
+use super::models::{Particle, Solid, Swing, pendulum, rubber, thrown};
 
 /// Largest departures of the energy balance, and of the linear and angular momentum, from what
 /// they are at 0.25 s, when the forces are gone; the last over a tenth of a second before the end.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Potential, Solid, Spring, Swing, pendulum};
+use super::models::{Particle, Potential, Solid, Spring, Swing, pendulum};
 
 /// A quarter of the period from 90 degrees.
 const QUARTER: f64 = 1.854_074_677_301_371_9;

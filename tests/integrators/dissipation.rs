@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Solid, Spring, Swing, pendulum, rubber, thrown};
+use super::models::{Particle, Solid, Spring, Swing, pendulum, rubber, thrown};
 
 /// Size of the state of an oscillator after `steps` steps a million times too long for it.
 fn unresolved(scheme: &impl Scheme<f64>, steps: usize) -> f64 {

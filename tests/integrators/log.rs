@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Spring, pendulum};
+use super::models::{Particle, Spring, pendulum};
 
 /// A refusal, and the state's time when the next step was accepted.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Swing, soft};
+use super::models::{Particle, Swing, soft};
 
 /// A quarter of the period from 90 degrees: the complete elliptic integral K(sin 45 deg).
 const QUARTER: f64 = 1.854_074_677_301_371_9;

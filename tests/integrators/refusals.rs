@@ -3,7 +3,7 @@
 
 use ancf::prelude::*;
 
-use crate::models::{Particle, Potential, Spring, pendulum, soft};
+use super::models::{Particle, Potential, Spring, pendulum, soft};
 
 fn refusal(scheme: &impl Scheme<f64>) -> String {
     let system = soft();
@@ -124,7 +124,7 @@ fn loads_that_break_are_named() {
     fn check(scheme: &impl Scheme<f64>, stepping: Stepping) {
         let mut scene = Scene::<f64, 2>::new();
         let disk = Disk::new(0.01).unwrap();
-        let solid = Continuum::full(crate::models::rubber(0.0));
+        let solid = Continuum::full(super::models::rubber(0.0));
         let beam = Beam::new(FullyParameterised, disk, solid);
         let beam = scene
             .add(beam.straight([0.0; 2], [1.0, 0.0], 2).density(7200.0))

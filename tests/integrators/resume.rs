@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use ancf::prelude::*;
 use ancf::solver::Matrix;
 
-use crate::models::{Particle, Spring, Swing, pendulum, rubber, soft};
+use super::models::{Particle, Spring, Swing, pendulum, rubber, soft};
 
 /// All bits of a state.
 fn bits(state: &State<f64>) -> Vec<u64> {

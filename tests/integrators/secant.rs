@@ -5,7 +5,7 @@
 use ancf::prelude::*;
 use ancf::solver::Matrix;
 
-use crate::models::{Solid, rubber};
+use super::models::{Solid, rubber};
 
 /// A number between -1 and 1 for every index.
 fn noise(seed: usize, i: usize) -> f64 {

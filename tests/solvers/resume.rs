@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use ancf::prelude::*;
 
-use crate::truss::truss;
+use super::truss::truss;
 
 /// All bits of a point.
 fn bits(point: &PathPoint<'_, f64>) -> Vec<u64> {

@@ -1,6 +1,8 @@
 //! How the quadratic form of a kernel is made: moduli are summed over the points of a rule, then the
 //! scalar products that couple are told from those that do not.
 
+use std::marker::PhantomData;
+
 use super::super::Reference;
 use super::super::basis::Basis;
 use super::super::point::{first_column, material_frame};
@@ -11,7 +13,7 @@ use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
 use crate::scalar::{LaneWork, Lanes, Real, Scalar};
-use crate::tensor::{Pairs, Room, add_scaled, array};
+use crate::tensor::{Pairs, Room, add_scaled, array, each};
 
 /// The quadratic form while parts are added to it: between the pairs `i <= j` of nodal vectors, numbered
 /// row by row, those `[p][q]` with `p <= q`, for the form is symmetric.
@@ -119,18 +121,19 @@ impl<R: Real, const D: usize, const S: usize> Form<R, D, S> {
     }
 
     /// The kernel with the energy of what was added.
-    pub(in crate::formulation) fn kernel<E: Element<D, S>, P: Products<R, D, S>>(
+    pub(in crate::formulation) fn kernel<E: Element<D, S>, M, P: Products<R, D, S>>(
         &self,
         reference: &Reference<R, D, S>,
-    ) -> GramKernel<R, P, D, S> {
+    ) -> GramKernel<R, M, P, D, S> {
         let basis = Basis::of::<E, D, S>(reference.length);
         let (groups, mut form) = self.groups();
-        let at_once = GramKernel::<R, P, D, S>::AT_ONCE;
+        let at_once = GramKernel::<R, M, P, D, S>::AT_ONCE;
         let terms = Terms::new::<R, S>(&groups, &form, at_once);
         form.push(R::zero());
         let pairs = groups.iter().flat_map(|group| &group.pairs).copied();
         let vectors = Vectors::new(basis, reference, pairs);
         GramKernel {
+            material: PhantomData,
             products: P::new(&vectors),
             vectors,
             form,
@@ -190,14 +193,14 @@ impl<R: Real, const D: usize, const S: usize> LaneWork<R> for Point<'_, R, D, S>
                     stress = strain_of(&lifted, [a, b], i, j).times(moduli.shear[a][b]);
                 } else {
                     let mut any = false;
-                    for c in 0..D {
+                    each!(c in 0..D, {
                         let modulus = moduli.normal[a][c];
                         if strained([c, c], i, j) && !modulus.is_nothing() {
                             let strain = strain_of(&lifted, [c, c], i, j);
                             stress = stress.plus_times(modulus, strain);
                             any = true;
                         }
-                    }
+                    });
                     if !any {
                         continue;
                     }
@@ -239,8 +242,8 @@ fn gradient_rows<R: Real, const D: usize, const S: usize, const K: usize>(
     y: &[R; D],
 ) -> [[R; S]; D] {
     let mut columns: [[R; S]; D] = array(|a| rows[a]);
-    for m in 1..D {
+    each!(m in 1..D, {
         add_scaled(&mut columns[0], y[m], &rows[first_column::<D>(m)]);
-    }
+    });
     columns
 }

@@ -6,7 +6,6 @@
 use std::ops::Range;
 
 use super::Chain;
-use crate::element::Element;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, KernelWork};
 use crate::scalar::{Lanes, Real};
@@ -69,10 +68,9 @@ where
     }
 }
 
-impl<R, E, Kn, const D: usize, const S: usize> Chain<R, E, Kn, D, S>
+impl<R, Kn, const D: usize, const S: usize> Chain<R, Kn, D, S>
 where
     R: Real,
-    E: Element<D, S>,
     Kn: ElementKernel<R, D, S>,
 {
     /// Does a task for some elements.
@@ -151,7 +149,7 @@ where
         let mut next = 0;
         while next < count {
             let inner = |n: usize| match k.in_a_row(self.range(n).start).checked_sub(S * D) {
-                Some(more) => (1 + more / Self::STRIDE).min(count - n),
+                Some(more) => (1 + more / self.stride()).min(count - n),
                 None => 0,
             };
             let elements = match inner(next) {

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::shares::{Numbers, Sink, Task};
 use super::{Chain, Coupling};
-use crate::element::Element;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Tangent, mirror};
 use crate::scalar::{Lanes, MOST_LANES, Real};
@@ -15,11 +14,9 @@ use crate::tensor::add_times;
 /// A task of a chain that adds to `Numbers` or to a `Sink`.
 macro_rules! task {
     ($task:ident, $out:ident, $heavy:literal, |$self:ident, $kernel:ident, $elements:ident, $sink:ident| $add:block) => {
-        impl<R, E, Kn, const D: usize, const S: usize> Task<R, D, S>
-            for $task<'_, Chain<R, E, Kn, D, S>, R>
+        impl<R, Kn, const D: usize, const S: usize> Task<R, D, S> for $task<'_, Chain<R, Kn, D, S>, R>
         where
             R: Real,
-            E: Element<D, S>,
             Kn: ElementKernel<R, D, S>,
         {
             type Out<'o> = $out<'o, R>;

@@ -1,9 +1,0 @@
-//! Claims about how equilibria are found and followed, one file per family of claims: a single program
-//! of few kernels.
-
-mod follower;
-mod loose;
-mod permanent;
-mod resume;
-mod search;
-mod truss;
