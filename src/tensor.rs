@@ -6,20 +6,12 @@
 /// such loops, too, but take a time for it that grows with the square of the function they are in.
 macro_rules! each {
     ($i:ident in $from:literal..$n:expr, $body:block) => {
-        each!(@some $i $from $n, $body, 0 1 2 3);
-        each!(@rest $i 4 $n, $body);
-    };
-    // Lanes, too.
-    (wide $i:ident in $from:literal..$n:expr, $body:block) => {
-        each!(@some $i $from $n, $body, 0 1 2 3 4 5 6 7);
-        each!(@rest $i 8 $n, $body);
-    };
-    (@some $i:ident $from:literal $n:expr, $body:block, $($at:literal)*) => {
-        $(each!(@one $i $at $from $n, $body);)*
-    };
-    (@rest $i:ident $at:literal $n:expr, $body:block) => {
-        if const { $n > $at } {
-            for $i in $at..$n $body
+        each!(@one $i 0 $from $n, $body);
+        each!(@one $i 1 $from $n, $body);
+        each!(@one $i 2 $from $n, $body);
+        each!(@one $i 3 $from $n, $body);
+        if const { $n > 4 } {
+            for $i in 4..$n $body
         }
     };
     (@one $i:ident $at:literal $from:literal $n:expr, $body:block) => {

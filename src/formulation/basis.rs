@@ -5,7 +5,7 @@
 use super::Tangent;
 use crate::element::{Element, NodalVector};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, each};
+use crate::tensor::{add_scaled, add_times};
 
 /// Adds to one vector a multiple of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,10 +186,10 @@ impl<R: Real> Basis<R> {
                 add_block(k, *factor, (to, j), (from, j));
             }
             for j in (high..S).filter(|j| *j != from) {
-                each!(c in 0..D, {
+                for c in 0..D {
                     let value = k[to][c][j];
                     add_times(&mut k[from][c][j], *factor, &value);
-                });
+                }
             }
             add_block(k, *factor, (from, to), (from, from));
         }
@@ -228,7 +228,7 @@ fn add_block<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
     to: (usize, usize),
 ) {
     for c in 0..D {
-        each!(d in 0..D, {
+        for d in 0..D {
             let value = match from.0 <= from.1 {
                 true => k[from.0][c][from.1][d],
                 false => k[from.1][d][from.0][c],
@@ -238,6 +238,6 @@ fn add_block<R: Real, T: Algebra<R>, const D: usize, const S: usize>(
                 false => &mut k[to.1][d][to.0][c],
             };
             *sum = sum.plus_times(factor, value);
-        });
+        }
     }
 }

@@ -11,7 +11,7 @@ use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::gauss_legendre;
 use crate::scalar::{Algebra, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, array, dot, each, scaled, times};
+use crate::tensor::{add_scaled, array, dot, scaled, times};
 
 /// Which strains the energy `1/2 EA eps^2 + 1/2 EI kappa^2` of a cable is made of. They differ by
 /// terms of the size of the axial strain: 0.1 % in the benchmark of Gerstmayr and Irschik (2008).
@@ -235,10 +235,10 @@ impl<R: Real, const D: usize> SectionLaw<R, D, 2> for CableSection<R> {
                 let force = (strain * slope).times(stiffness * unit);
                 let along = (slope * slope + strain * steeper).times(stiffness * unit);
                 *k = [[[[T::zero(); D]; D]; 2]; 2];
-                each!(c in 0..D, {
+                for c in 0..D {
                     k[0][0][c] = scaled(tangent[c] * along, &tangent);
                     k[0][0][c][c] += force;
-                });
+                }
                 [scaled(force, &tangent), [T::zero(); D]]
             }
             Self::Bending(energy, stiffness) => {
@@ -384,12 +384,12 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
         let [by_x, by_y] = self.by_turns(moment);
         let (own, sides) = (self.slope * along, self.steeper * along);
         for c in 0..D {
-            each!(d in 0..D, {
+            for d in 0..D {
                 let bent = (x[c] * by_x[d] + by_x[c] * x[d]) * self.slope;
                 k[0][0][c][d] = bent + x[c] * x[d] * sides;
                 k[0][1][c][d] = x[c] * by_y[d] * self.slope;
                 k[1][1][c][d] = T::zero();
-            });
+            }
             k[0][0][c][c] += own;
         }
         // d (y x moment) / dy.
@@ -411,11 +411,11 @@ impl<R: Real, T: Algebra<R>, const D: usize> Bend<R, T, D> {
                 times(stiffness * self.unit, &g),
                 times(stiffness * self.unit, &f),
             );
-            each!(c in 0..D, {
+            for c in 0..D {
                 add_scaled(&mut k[0][0][c], stiff_g[c], &g);
                 add_scaled(&mut k[0][1][c], stiff_g[c], &f);
                 add_scaled(&mut k[1][1][c], stiff_f[c], &f);
-            });
+            }
         }
     }
 }

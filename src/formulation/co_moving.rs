@@ -13,7 +13,7 @@ use crate::element::{Element, NodalVector};
 use crate::error::{Error, Result};
 use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, cross, dot, each};
+use crate::tensor::{add_scaled, cross, dot};
 
 /// A formulation that keeps its digits however far elements turn.
 ///
@@ -178,11 +178,11 @@ where
         let (mut coarse, mut fine) = (*u, *u);
         for i in 0..S {
             let grid = T::lift(self.grid[i]);
-            each!(c in 0..D, {
+            for c in 0..D {
                 let rounded = (u[i][c] + grid) - grid;
                 coarse[i][c] = rounded;
                 fine[i][c] -= rounded;
-            });
+            }
         }
         self.positions.make_relative(&mut coarse);
         self.positions.make_relative(&mut fine);
@@ -225,9 +225,9 @@ where
         let unit = T::lift(self.unit);
         let mut sharp = [[T::zero(); D]; D];
         for k in 0..D {
-            each!(a in 0..D, {
+            for a in 0..D {
                 add_scaled(&mut sharp[k], T::lift(self.frame[a][k]), &frame[a]);
-            });
+            }
             sharp[k] = sharp[k].map(|q| (q + unit) - unit);
         }
         let defect: [[T; D]; D] = std::array::from_fn(|a| {
@@ -239,9 +239,9 @@ where
         // (1 + D)^(-1/2) - 1 = -D (1/2 - D (3/8 - 5/16 D))
         let constant_minus = |constant: f64, m: [[T; D]; D]| {
             let mut difference = m.map(|row| row.map(|d| -d));
-            each!(a in 0..D, {
+            for a in 0..D {
                 difference[a][a] += T::lit(constant);
-            });
+            }
             difference
         };
         let series = defect.map(|row| row.map(|d| d * T::lit(0.3125)));
@@ -267,10 +267,10 @@ where
     fn parts<T: Algebra<R>>(&self, u: &[[T; D]; S]) -> ([[T; D]; S], [[T; D]; S]) {
         let (mut coarse, mut fine) = self.split(u);
         for i in 0..S {
-            each!(c in 0..D, {
+            for c in 0..D {
                 coarse[i][c] += T::lift(self.coarse[i][c]);
                 fine[i][c] += T::lift(self.fine[i][c]);
-            });
+            }
         }
         (coarse, fine)
     }
@@ -284,12 +284,12 @@ where
     ) -> [[T; D]; S] {
         let mut local = [[T::zero(); D]; S];
         for i in 0..S {
-            each!(k in 0..D, {
+            for k in 0..D {
                 let exact = dot(&rotation.sharp[k], &coarse[i]) - T::lift(self.coarse[i][k]);
                 let small = dot(&rotation.rest[k], &coarse[i])
                     + (dot(&rotation.whole[k], &fine[i]) - T::lift(self.fine[i][k]));
                 local[i][k] = exact + small;
-            });
+            }
         }
         if let Some((first, _)) = self.positions.split() {
             local[first] = [T::zero(); D];
@@ -307,9 +307,9 @@ where
     ) {
         let mut turned = [[T::zero(); D]; S];
         for i in 0..S {
-            each!(k in 0..D, {
+            for k in 0..D {
                 add_scaled(&mut turned[i], local[i][k], &rotation.whole[k]);
-            });
+            }
         }
         if let Some((first, _)) = self.positions.split() {
             turned[first] = [T::zero(); D];
@@ -375,21 +375,21 @@ where
             for j in (i..S).filter(|j| Some(*j) != first) {
                 let mut half = [[T::zero(); D]; D];
                 for a in 0..D {
-                    each!(b in 0..D, {
+                    for b in 0..D {
                         add_scaled(&mut half[a], tangent[i][a][j][b], &turn[b]);
-                    });
+                    }
                 }
                 let mut block = [[T::zero(); D]; D];
                 for a in 0..D {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         add_scaled(&mut block[c], turn[a][c], &half[a]);
-                    });
+                    }
                 }
                 for c in 0..D {
                     turned[i][c][j] = block[c];
-                    each!(d in 0..D, {
+                    for d in 0..D {
                         turned[j][d][i][c] = block[c][d];
-                    });
+                    }
                 }
             }
         }
@@ -435,9 +435,9 @@ fn beside<T: Field>(a: &[T; 3]) -> [T; 3] {
 fn product<T: Scalar, const D: usize>(a: &[[T; D]; D], b: &[[T; D]; D]) -> [[T; D]; D] {
     let mut product = [[T::zero(); D]; D];
     for i in 0..D {
-        each!(k in 0..D, {
+        for k in 0..D {
             add_scaled(&mut product[i], a[i][k], &b[k]);
-        });
+        }
     }
     product
 }

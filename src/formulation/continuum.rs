@@ -123,7 +123,7 @@ impl<M> Continuum<M> {
 
 impl<M: PoissonSplit> Continuum<M> {
     /// The zero-Poisson option: only the part of the material that does not couple normal strains
-    /// (Young's modulus for each, the true shear modulus), fully integrated.
+    /// (Young's modulus for the true shear modulus), fully integrated.
     pub fn zero_poisson(material: M) -> Self {
         Self::full(material.uncoupled())
     }

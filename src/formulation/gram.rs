@@ -13,7 +13,7 @@ use super::products::{Products, Vectors, vanishes};
 use super::{ElementKernel, Tangent, Together, mirrored};
 use crate::material::Material;
 use crate::scalar::{Algebra, Real, Scalar};
-use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, each, sum, times};
+use crate::tensor::{Pairs, Room, Stack, add_scaled, add_times, between, sum, times};
 pub(super) use form::Form;
 
 /// Scalar products that couple with one another, and with no others: where a section is symmetric,
@@ -210,9 +210,9 @@ impl<const N: usize> Dyad<N> {
             add_times(&mut along, value(*at), &rights[vector(*right)]);
         }
         let left = &lefts[vector(self.left)];
-        each!(c in 0..D, {
+        for c in 0..D {
             add_scaled(&mut block[c], left[c], &along);
-        });
+        }
     }
 }
 
@@ -223,9 +223,9 @@ fn stress_of<R: Real, T: Algebra<R>, const N: usize>(form: &mut &[R], changes: &
     *form = rest;
     let mut sums = [T::zero(); N];
     for (column, change) in columns.as_chunks::<N>().0.iter().zip(changes) {
-        each!(r in 0..N, {
+        for r in 0..N {
             sums[r] = sums[r].plus_times(column[r], *change);
-        });
+        }
     }
     sums
 }
@@ -242,10 +242,10 @@ fn force_on<T: Scalar, const D: usize, const N: usize>(
     *places = rest;
     let mut sums = [[T::zero(); D]; N];
     for (column, v) in columns.as_chunks::<N>().0.iter().zip(v) {
-        each!(n in 0..N, {
+        for n in 0..N {
             // The minimum is an identity; it lets the optimiser drop the bounds check.
             add_scaled(&mut sums[n], stress[(column[n] as usize).min(last)], v);
-        });
+        }
     }
     sums
 }
@@ -332,13 +332,13 @@ where
         for block in &terms.blocks {
             let (i, j) = (block.row.min(S - 1), block.column.min(S - 1));
             let mut sum = [[T::zero(); D]; D];
-            each!(c in 0..D, {
+            for c in 0..D {
                 sum[c][c] = stress[(block.stress as usize).min(last)];
-            });
+            }
             terms.add_dyads(&self.form, block, (v, v), &mut sum);
-            each!(c in 0..D, {
+            for c in 0..D {
                 k[i][c][j] = sum[c];
-            });
+            }
         }
         self.vectors.basis.change_upper(k);
     }
@@ -499,13 +499,13 @@ where
             let mut lower = [[T::zero(); D]; D];
             terms.add_dyads(&self.form, block, (to, &middle), &mut lower);
             for c in 0..D {
-                each!(d in 0..D, {
+                for d in 0..D {
                     let diagonal = if c == d { geometric } else { T::zero() };
                     k[i][c][j][d] = diagonal.plus_times(share, upper[c][d]);
                     if i != j {
                         k[j][c][i][d] = diagonal.plus_times(share, lower[d][c]);
                     }
-                });
+                }
             }
         }
         self.vectors.basis.change_tangent(k);

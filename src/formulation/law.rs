@@ -5,7 +5,7 @@
 use std::fmt::Debug;
 
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_times, array, between, each, gauss_pair};
+use crate::tensor::{add_times, array, between, gauss_pair};
 
 /// Second derivatives of a section's energy: `k[a][b]` is the `D x D` block that couples the
 /// sampled vectors `a` and `b`. Only blocks with `a <= b` are used,
@@ -82,20 +82,20 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
             self.stiffness(reference, &between(from, to, share), &mut there);
             for a in 0..K {
                 for b in a..K {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         add_times(&mut mean[a][b][c], R::lit(0.5) * share, &there[a][b][c]);
-                    });
+                    }
                 }
             }
         }
         for a in 0..K {
             for b in 0..a {
-                each!(c in 0..D, {
+                for c in 0..D {
                     mean[a][b][c] = array(
                         #[inline(always)]
                         |d| mean[b][a][d][c],
                     );
-                });
+                }
             }
         }
         mean
@@ -124,9 +124,9 @@ pub(super) fn path_mean<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
     let mut mean = [[T::zero(); D]; N];
     for share in gauss_pair::<R>() {
         let part = force(&between(from, to, share));
-        each!(i in 0..N, {
+        for i in 0..N {
             add_times(&mut mean[i], R::lit(0.5), &part[i]);
-        });
+        }
     }
     mean
 }
@@ -165,9 +165,9 @@ where
         let dual = law.resultants(reference, &varied(h, b));
         for a in 0..=b {
             for c in 0..D {
-                each!(d in 0..D, {
+                for d in 0..D {
                     stiffness[a][b][c][d] = T::derivative::<D>(&dual[a][c], d);
-                });
+                }
             }
         }
         resultants[b] = array(|c| T::real_part::<D>(&dual[b][c]));

@@ -52,7 +52,7 @@ use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, LaneWork, Lanes, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{each, sum};
+use crate::tensor::sum;
 
 /// Tangent of one element: `k[i][c][j][d]` is the derivative of component `c` of the force on
 /// nodal vector `i` by component `d` of nodal vector `j`; flattened, a row-major matrix in the
@@ -65,9 +65,9 @@ pub(crate) fn mirror<T: Scalar, const D: usize, const S: usize>(k: &mut Tangent<
     for i in 0..S {
         for j in 0..i {
             for c in 0..D {
-                each!(d in 0..D, {
+                for d in 0..D {
                     k[i][c][j][d] = k[j][d][i][c];
-                });
+                }
             }
         }
     }
@@ -252,9 +252,9 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
     fn force<T: Algebra<R>>(&self, u: &[[T; D]; S], q: &mut [[T; D]; S]) {
         for i in 0..S {
             let energy = self.energy(&varied(u, i));
-            each!(c in 0..D, {
+            for c in 0..D {
                 q[i][c] += T::derivative::<D>(&energy, c);
-            });
+            }
         }
     }
 
@@ -271,9 +271,9 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
             for c in 0..D {
                 q[j][c] += T::real_part::<D>(&dual[j][c]);
                 for i in 0..S {
-                    each!(d in 0..D, {
+                    for d in 0..D {
                         k[i][c][j][d] += T::derivative::<D>(&dual[i][c], d);
-                    });
+                    }
                 }
             }
         }
@@ -329,9 +329,9 @@ pub trait ElementKernel<R: Real, const D: usize, const S: usize>:
             self.secant(viscosity, &from, &varied(to, j), &mut dual);
             for i in 0..S {
                 for c in 0..D {
-                    each!(d in 0..D, {
+                    for d in 0..D {
                         k[i][c][j][d] = T::derivative::<D>(&dual[i][c], d);
-                    });
+                    }
                 }
             }
         }

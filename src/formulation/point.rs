@@ -4,7 +4,7 @@
 use super::law::{SectionLaw, SectionStiffness};
 use crate::material::{Material, green_lagrange};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, cross, dot, each};
+use crate::tensor::{add_scaled, add_times, array, between, cross, dot};
 
 /// A material sampled at points of the section of a beam whose position is linear in the cross
 /// coordinates. Its `K = 2 D - 1` vectors are `r'`, the cross slopes `r_y`[, `r_z`] and their
@@ -54,10 +54,10 @@ impl<R: Real, M, const D: usize, const STRAIGHT: bool> PointSection<R, M, D, STR
         let mut stress = self.material.secant(before, after);
         if !viscosity.is_zero() {
             let (old, new) = (self.material.stress(before), self.material.stress(after));
-            each!(a in 0..D, {
+            for a in 0..D {
                 add_times(&mut stress[a], viscosity, &new[a]);
                 add_times(&mut stress[a], -viscosity, &old[a]);
-            });
+            }
         }
         stress
     }
@@ -76,9 +76,9 @@ fn columns<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
         )
     };
     let mut columns: [[T; D]; D] = array(|a| g[a]);
-    each!(m in 1..D, {
+    for m in 1..D {
         add_times(&mut columns[0], y[m], &g[first_column::<D>(m)]);
-    });
+    }
     columns
 }
 
@@ -176,16 +176,16 @@ where
                 for b in 0..D {
                     for e in 0..D {
                         let mut column = [T::zero(); D];
-                        each!(f in 0..D, {
+                        for f in 0..D {
                             add_scaled(&mut column, elasticity[a][e][b][f], &right[f]);
-                        });
-                        each!(i in 0..D, {
+                        }
+                        for i in 0..D {
                             add_scaled(&mut blocks[a][b][i], left[e][i], &column);
-                        });
+                        }
                     }
-                    each!(i in 0..D, {
+                    for i in 0..D {
                         blocks[a][b][i][i] += stress[a][b].times(half);
-                    });
+                    }
                 }
             }
             let blocks = point.by_coordinates(blocks);
@@ -199,10 +199,10 @@ where
                 let (a, left) = place(m);
                 for n in 0..K {
                     let (b, right) = place(n);
-                    each!(i in 0..D, {
+                    for i in 0..D {
                         let factor = point.weight * left * right;
                         add_times(&mut k[m][n][i], factor, &blocks[a][b][i]);
-                    });
+                    }
                 }
             }
         }
@@ -228,9 +228,9 @@ where
             let mut blocks = self.material.stiffness(&strain, &c);
             for a in 0..D {
                 for b in a..D {
-                    each!(i in 0..D, {
+                    for i in 0..D {
                         blocks[a][b][i][i] += stress[a][b];
-                    });
+                    }
                 }
             }
             if point.map.is_some() {
@@ -303,16 +303,16 @@ impl<R: Real, const D: usize> ByFrame<'_, R, D> {
         let mut whole = half;
         for a in 0..D {
             for (b, l) in (0..D).flat_map(|b| (0..D).map(move |l| (b, l))) {
-                each!(i in 0..D, {
+                for i in 0..D {
                     add_times(&mut half[a][l][i], map[b][l], &blocks[a][b][i]);
-                });
+                }
             }
         }
         for (a, k) in (0..D).flat_map(|a| (0..D).map(move |k| (a, k))) {
             for l in 0..D {
-                each!(i in 0..D, {
+                for i in 0..D {
                     add_times(&mut whole[k][l][i], map[a][k], &half[a][l][i]);
-                });
+                }
             }
         }
         whole
@@ -340,16 +340,16 @@ impl<R: Real, const D: usize> ByFrame<'_, R, D> {
                 add_times(&mut piola[k], map[a][k], &by_frame[a]);
             }
         }
-        each!(m in 0..D, {
+        for m in 0..D {
             add_times(
                 &mut n[first_column::<D>(m)],
                 self.weight * self.y[m],
                 &piola[0],
             );
-        });
-        each!(a in 1..D, {
+        }
+        for a in 1..D {
             add_times(&mut n[a], self.weight, &piola[a]);
-        });
+        }
     }
 }
 
@@ -361,9 +361,9 @@ fn mapped<R: Real, T: Algebra<R>, const D: usize>(
 ) -> [[T; D]; D] {
     let mut by_frame = [[T::zero(); D]; D];
     for a in 0..D {
-        each!(k in 0..D, {
+        for k in 0..D {
             add_times(&mut by_frame[a], map[a][k], &columns[k]);
-        });
+        }
     }
     by_frame
 }
@@ -421,9 +421,9 @@ fn add_stiffness<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
         let k = first_column::<D>(m);
         for p in m..D {
             let l = first_column::<D>(p);
-            each!(i in 0..D, {
+            for i in 0..D {
                 add_times(&mut stiffness[k][l][i], w * y[m] * y[p], &blocks[0][0][i]);
-            });
+            }
         }
         for b in 1..D {
             for i in 0..D {
@@ -431,18 +431,18 @@ fn add_stiffness<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
                     add_times(&mut stiffness[k][b][i], w * y[m], &blocks[0][b][i]);
                 } else {
                     // The pair (b, k) is the transpose of (k, b).
-                    each!(j in 0..D, {
+                    for j in 0..D {
                         stiffness[b][k][j][i] += blocks[0][b][i][j].times(w * y[m]);
-                    });
+                    }
                 }
             }
         }
     }
     for a in 1..D {
         for b in a..D {
-            each!(i in 0..D, {
+            for i in 0..D {
                 add_times(&mut stiffness[a][b][i], w, &blocks[a][b][i]);
-            });
+            }
         }
     }
 }

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 use super::Reference;
 use super::basis::{Basis, Kind, Step};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{Room, Stack, array, difference, dot, each};
+use crate::tensor::{Room, Stack, array, difference, dot};
 
 /// Vectors of an element by a basis of means and differences.
 #[derive(Debug, Clone)]
@@ -112,9 +112,9 @@ impl<R: Real, const D: usize, const S: usize> Vectors<R, D, S> {
         (i, j): (usize, usize),
     ) -> T {
         let mut change = dot(&h[i], &v[j]);
-        each!(c in 0..D, {
+        for c in 0..D {
             change = change.plus_times(self.reference[i][c], h[j][c]);
-        });
+        }
         change
     }
 }
@@ -238,12 +238,12 @@ impl<R: Real, const D: usize, const S: usize> Products<R, D, S> for InParts<R, D
                 }
                 let mut exact = dot(&coarse[i], &on_grid[j]);
                 let mut small = dot(&on_grid[i], &fine[j]);
-                each!(c in 0..D, {
+                for c in 0..D {
                     exact = exact.plus_times(self.coarse[i][c], coarse[j][c]);
                     small = small.plus_product(fine[i][c], v[j][c]);
                     small = small.plus_times(self.fine[j][c], coarse[i][c]);
                     small = small.plus_times(self.fine[i][c], h[j][c]);
-                });
+                }
                 exact + small
             },
             changes,
@@ -266,33 +266,33 @@ impl<R: Real, const D: usize, const S: usize> InParts<R, D, S> {
                 Kind::Bend => h[to] = difference(&start, &other),
                 // The larger first, but for a start that bending alone moves: what is lost then is small.
                 Kind::Mean => {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         let share = other[c].times(step.factor);
                         h[to][c] = start[c] + share;
                         fine[to][c] += share - (h[to][c] - start[c]);
-                    });
+                    }
                 }
                 Kind::Apart => {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         h[to][c] = start[c] - other[c];
                         let part = h[to][c] - start[c];
                         fine[to][c] = (start[c] - (h[to][c] - part)) - (other[c] + part);
-                    });
+                    }
                 }
                 Kind::Along => {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         let rest = fine[to][c].plus_times(factor[1], coarse[from][c]);
                         let rest = rest.plus_times(step.factor, fine[from][c]);
                         h[to][c] = start[c].plus_times(factor[0], coarse[from][c]) + rest;
-                    });
+                    }
                 }
             }
             if step.completes {
                 let grid = T::lift(self.grid[to]);
-                each!(c in 0..D, {
+                for c in 0..D {
                     coarse[to][c] = (h[to][c] + grid) - grid;
                     fine[to][c] += h[to][c] - coarse[to][c];
-                });
+                }
             }
         }
         [h, coarse, fine]

@@ -5,7 +5,7 @@
 use super::Tangent;
 use crate::element::{Element, NodalVector};
 use crate::scalar::{Real, Scalar};
-use crate::tensor::{difference, each, sum};
+use crate::tensor::{difference, sum};
 
 /// Which nodal vectors are positions. Without any, nothing is relative to anything.
 #[derive(Debug, Clone, Copy)]
@@ -119,10 +119,10 @@ impl<const S: usize> Positions<S> {
         if let Some((first, others)) = self.split() {
             for p in others {
                 for row in relative.as_flattened_mut() {
-                    each!(d in 0..D, {
+                    for d in 0..D {
                         let stiffness = row[p][d];
                         row[first][d] -= stiffness;
-                    });
+                    }
                 }
                 let rows = relative[p];
                 let opposite = relative[first].as_flattened_mut().as_flattened_mut();
@@ -147,7 +147,7 @@ fn subtract_block<T: Scalar, const D: usize, const S: usize>(
     to: (usize, usize),
 ) {
     for c in 0..D {
-        each!(d in 0..D, {
+        for d in 0..D {
             let value = match from.0 <= from.1 {
                 true => k[from.0][c][from.1][d],
                 false => k[from.1][d][from.0][c],
@@ -156,6 +156,6 @@ fn subtract_block<T: Scalar, const D: usize, const S: usize>(
                 true => k[to.0][c][to.1][d] -= value,
                 false => k[to.1][d][to.0][c] -= value,
             }
-        });
+        }
     }
 }

@@ -15,7 +15,7 @@ use crate::element::Element;
 use crate::error::{Error, Result};
 use crate::quadrature::Cubature;
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, each, times};
+use crate::tensor::{add_scaled, add_times, array, times};
 
 /// A derivative of the position field on the axis, by reference coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -116,9 +116,9 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Station<R, D, S, K
                 let block: [[T; D]; D] = array(|c| times(self.weight, &stiffness[k][l][c]));
                 for (i, left) in self.rows[k].iter() {
                     for (j, right) in self.rows[l].iter() {
-                        each!(c in 0..D, {
+                        for c in 0..D {
                             add_times(&mut tangent[i][c][j], left * right, &block[c]);
-                        });
+                        }
                     }
                 }
             }
@@ -205,24 +205,24 @@ impl<R: Real, const D: usize, const S: usize, const K: usize> Batch<R, D, S, K> 
             for Term { pair, weight } in &block.terms[0] {
                 let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
                 for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         add_times(&mut sum[c], *weight, &s[k][l][c]);
-                    });
+                    }
                 }
             }
             for Term { pair, weight } in &block.terms[1] {
                 let (k, l) = (pair.0.min(K - 1), pair.1.min(K - 1));
                 for (s, weight) in stiffness.iter().zip(weight).take(self.stations.len()) {
                     for c in 0..D {
-                        each!(d in 0..D, {
+                        for d in 0..D {
                             sum[d][c] = sum[d][c].plus_times(*weight, s[k][l][c][d]);
-                        });
+                        }
                     }
                 }
             }
-            each!(c in 0..D, {
+            for c in 0..D {
                 tangent[i][c][j] = sum[c];
-            });
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::material::SaintVenantKirchhoff;
 use crate::quadrature::{Cubature, gauss_legendre};
 use crate::scalar::{Algebra, Field, Real, Scalar};
 use crate::section::Section;
-use crate::tensor::{add_scaled, array, cross, dot, each, scaled, sum, times};
+use crate::tensor::{add_scaled, array, cross, dot, scaled, sum, times};
 
 /// Stiffness of a beam about its section axes `y` and `z`. In the plane only `axial`, `shear[0]`
 /// and `bending[1]` matter.
@@ -302,9 +302,9 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for Structural
                     for a in 0..K {
                         let force = times(stiffness / length0, &gradient[a]);
                         for b in a..K {
-                            each!(c in 0..D, {
+                            for c in 0..D {
                                 add_scaled(&mut k[a][b][c], force[c], &gradient[b]);
-                            });
+                            }
                         }
                     }
                 }
@@ -314,14 +314,14 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for Structural
                     let rod = Rod::of(&varied(&g, b), rsqrt);
                     let dual: [[T::Dual<D>; D]; K] = rod.resultants(&fixed);
                     for (a, c) in (0..K).flat_map(|a| (0..D).map(move |c| (a, c))) {
-                        each!(d in 0..D, {
+                        for d in 0..D {
                             let derivative = T::derivative::<D>(&dual[a][c], d);
                             match a {
                                 a if a <= b => k[a][b][c][d] += derivative,
                                 a if a >= D => k[b][a][d][c] += derivative,
                                 _ => {}
                             }
-                        });
+                        }
                     }
                 }
                 rod.resultants(&forces)
@@ -339,14 +339,14 @@ impl<R: Real, const D: usize, const K: usize> SectionLaw<R, D, K> for Structural
                         R::lit(0.5) * stiffness
                     };
                     let (left, right) = (times(share, &g[a]), times(share, &g[b]));
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         k[a][b][c][c] += stress;
                         add_scaled(&mut k[a][b][c], right[c], &g[a]);
                         if a != b {
                             add_scaled(&mut k[a][a][c], right[c], &g[b]);
                             add_scaled(&mut k[b][b][c], left[c], &g[a]);
                         }
-                    });
+                    }
                     if a != b {
                         add_scaled(&mut n[b], stress, &g[a]);
                     }
@@ -400,10 +400,10 @@ fn shape_strain<R: Real, T: Algebra<R>, const D: usize, const K: usize>(
     let half = R::lit(0.5);
     let mut twice = T::zero();
     for (k, l) in [(a, b), (b, a)] {
-        each!(c in 0..D, {
+        for c in 0..D {
             let middle = T::lift(reference[k][c]).plus_times(half, h[k][c]);
             twice = twice.plus_product(middle, h[l][c]);
-        });
+        }
     }
     twice.times(half)
 }
@@ -502,7 +502,7 @@ impl<N: Scalar> Rod<N> {
         add_scaled(&mut by_z_turn, -about_x, e2);
         add_scaled(&mut by_z_turn, about_z, &cross(e2, &self.y));
         let mut all = [[N::zero(); D]; K];
-        each!(k in 0..K, {
+        for k in 0..K {
             let by = match (D, k) {
                 (_, 0) => &by_tangent,
                 (_, 1) => &by_y,
@@ -511,7 +511,7 @@ impl<N: Scalar> Rod<N> {
                 _ => &by_z_turn,
             };
             all[k].copy_from_slice(&by[..D]);
-        });
+        }
         all
     }
 }

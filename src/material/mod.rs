@@ -8,7 +8,7 @@ pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 use std::fmt::Debug;
 
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, add_times, array, between, dot, each, gauss_pair};
+use crate::tensor::{add_scaled, add_times, array, between, dot, gauss_pair};
 
 /// A symmetric tensor or the columns of a gradient: `D x D` numbers.
 pub type Tensor<T, const D: usize> = [[T; D]; D];
@@ -34,9 +34,9 @@ impl<R: Real, const D: usize> Moduli<R, D> {
         let two = R::lit(2.0);
         let mut stress = [[T::zero(); D]; D];
         for a in 0..D {
-            each!(b in 0..D, {
+            for b in 0..D {
                 stress[a][a] += strain[b][b].times(self.normal[a][b]);
-            });
+            }
             for b in a + 1..D {
                 stress[a][b] = strain[a][b].times(two * self.shear[a][b]);
                 stress[b][a] = stress[a][b];
@@ -82,9 +82,9 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
         let mut mean = [[T::zero(); D]; D];
         for share in gauss_pair::<R>() {
             let stress = self.stress(&between(from, to, share));
-            each!(a in 0..D, {
+            for a in 0..D {
                 add_times(&mut mean[a], R::lit(0.5), &stress[a]);
-            });
+            }
         }
         mean
     }
@@ -143,12 +143,12 @@ pub trait Material<R: Real, const D: usize>: Clone + Debug + Send + Sync + 'stat
             for b in a..D {
                 for e in 0..D {
                     let mut column = [T::zero(); D];
-                    each!(f in 0..D, {
+                    for f in 0..D {
                         add_scaled(&mut column, elasticity[a][e][b][f], &c[f]);
-                    });
-                    each!(i in 0..D, {
+                    }
+                    for i in 0..D {
                         add_scaled(&mut blocks[a][b][i], c[e][i], &column);
-                    });
+                    }
                 }
             }
         }
@@ -226,11 +226,11 @@ fn by_strain<R: Real, T: Algebra<R>, const D: usize, const N: usize>(
     let mut elasticity = [[[[T::zero(); D]; D]; D]; D];
     for (k, (b, f)) in pairs::<D>() {
         for a in 0..D {
-            each!(e in 0..D, {
+            for e in 0..D {
                 let value = share(b, f, T::derivative::<N>(&stress[a][e], k));
                 elasticity[a][e][b][f] = value;
                 elasticity[a][e][f][b] = value;
-            });
+            }
         }
     }
     elasticity

@@ -4,7 +4,7 @@
 use super::{Blocks, Material, Moduli, PoissonSplit, Tensor};
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
-use crate::tensor::{add_scaled, between, each, times};
+use crate::tensor::{add_scaled, between, times};
 
 /// Linear elastic material with orthotropic moduli: a matrix of normal moduli and one shear
 /// modulus per pair of axes. Isotropic by [`isotropic`](Self::isotropic).
@@ -101,9 +101,9 @@ impl<R: Real, const D: usize> PoissonSplit for SaintVenantKirchhoff<R, D> {
 
     fn coupled(&self) -> Self {
         let mut part = *self;
-        each!(a in 0..D, {
+        for a in 0..D {
             part.moduli.normal[a][a] -= self.young;
-        });
+        }
         part.moduli.shear = [[R::zero(); D]; D];
         part
     }
@@ -118,9 +118,9 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
         let stress = self.stress(strain);
         let mut twice = T::zero();
         for a in 0..D {
-            each!(b in 0..D, {
+            for b in 0..D {
                 twice += stress[a][b] * strain[a][b];
-            });
+            }
         }
         twice.times(R::lit(0.5))
     }
@@ -149,13 +149,13 @@ impl<R: Real, const D: usize> Material<R, D> for SaintVenantKirchhoff<R, D> {
     fn elasticity<T: Algebra<R>>(&self, _strain: &Tensor<T, D>) -> Blocks<T, D> {
         let mut c = [[[[T::zero(); D]; D]; D]; D];
         for a in 0..D {
-            each!(b in 0..D, {
+            for b in 0..D {
                 c[a][a][b][b] = T::lift(self.moduli.normal[a][b]);
                 if a != b {
                     c[a][b][a][b] = T::lift(self.moduli.shear[a][b]);
                     c[a][b][b][a] = T::lift(self.moduli.shear[a][b]);
                 }
-            });
+            }
         }
         c
     }

@@ -217,8 +217,11 @@ macro_rules! operators {
         impl $trait for $p {
             type Output = Self;
             #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                Self(array(|lane| $trait::$method(self.0[lane], other.0[lane])))
+            fn $method(mut self, other: Self) -> Self {
+                for lane in 0..$n {
+                    self.0[lane] = $trait::$method(self.0[lane], other.0[lane]);
+                }
+                self
             }
         }
         impl $trait<&Self> for $p {
@@ -290,8 +293,11 @@ macro_rules! packs {
         impl Neg for Pack<$r, $n> {
             type Output = Self;
             #[inline(always)]
-            fn neg(self) -> Self {
-                Self(array(|lane| -self.0[lane]))
+            fn neg(mut self) -> Self {
+                for lane in 0..$n {
+                    self.0[lane] = -self.0[lane];
+                }
+                self
             }
         }
         impl Inv for Pack<$r, $n> {
@@ -303,7 +309,7 @@ macro_rules! packs {
         impl From<$r> for Pack<$r, $n> {
             #[inline(always)]
             fn from(x: $r) -> Self {
-                Self(array(|_| x))
+                Self([x; $n])
             }
         }
         impl Sum for Pack<$r, $n> {

@@ -8,7 +8,7 @@ use std::mem::MaybeUninit;
 #[inline(always)]
 pub(crate) fn array<T: Copy, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
     let mut all = [const { MaybeUninit::uninit() }; N];
-    each!(wide i in 0..N, { all[i] = MaybeUninit::new(f(i)) });
+    each!(i in 0..N, { all[i] = MaybeUninit::new(f(i)) });
     // SAFETY: all of them have been written, and an array of these is laid out as one of their values.
     unsafe { all.as_ptr().cast::<[T; N]>().read() }
 }

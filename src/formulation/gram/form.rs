@@ -13,7 +13,7 @@ use crate::element::Element;
 use crate::material::Moduli;
 use crate::quadrature::Cubature;
 use crate::scalar::{LaneWork, Lanes, Real, Scalar};
-use crate::tensor::{Pairs, Room, add_scaled, array, each};
+use crate::tensor::{Pairs, Room, add_scaled, array};
 
 /// The quadratic form while parts are added to it: between the pairs `i <= j` of nodal vectors, numbered
 /// row by row, those `[p][q]` with `p <= q`, for the form is symmetric.
@@ -193,14 +193,14 @@ impl<R: Real, const D: usize, const S: usize> LaneWork<R> for Point<'_, R, D, S>
                     stress = strain_of(&lifted, [a, b], i, j).times(moduli.shear[a][b]);
                 } else {
                     let mut any = false;
-                    each!(c in 0..D, {
+                    for c in 0..D {
                         let modulus = moduli.normal[a][c];
                         if strained([c, c], i, j) && !modulus.is_nothing() {
                             let strain = strain_of(&lifted, [c, c], i, j);
                             stress = stress.plus_times(modulus, strain);
                             any = true;
                         }
-                    });
+                    }
                     if !any {
                         continue;
                     }
@@ -242,8 +242,8 @@ fn gradient_rows<R: Real, const D: usize, const S: usize, const K: usize>(
     y: &[R; D],
 ) -> [[R; S]; D] {
     let mut columns: [[R; S]; D] = array(|a| rows[a]);
-    each!(m in 1..D, {
+    for m in 1..D {
         add_scaled(&mut columns[0], y[m], &rows[first_column::<D>(m)]);
-    });
+    }
     columns
 }
