@@ -241,9 +241,15 @@ fn settings() -> Criterion {
 criterion_group!(name = benches; config = settings(); targets = all);
 
 fn main() {
-    // What criterion takes for a filter.
-    let filter = std::env::args().skip(1).find(|one| !one.starts_with('-'));
-    let asked = |name: &str| filter.as_ref().is_none_or(|one| name.contains(one));
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let has = |name: &str| arguments.iter().any(|one| one == name);
+    let measures = has("--bench") && !has("--test") && !has("--list");
+    // What criterion takes for a filter: no option, nor the value of one.
+    let filter = (0..arguments.len()).find(|k| {
+        let is_option = |k: usize| arguments[k].starts_with('-');
+        !is_option(*k) && (*k == 0 || arguments[k - 1] == "--bench" || !is_option(k - 1))
+    });
+    let asked = |name: &str| measures && filter.is_none_or(|k| name.contains(&arguments[k]));
     for (name, sizes) in [
         ("four steps in space", sizes::<3, 8> as fn(&str)),
         ("four steps in the plane", sizes::<2, 6>),

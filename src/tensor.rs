@@ -6,6 +6,7 @@
 /// such loops, too, but take a time for it that grows with the square of the function they are in.
 macro_rules! each {
     ($i:ident in $from:literal..$n:expr, $body:block) => {
+        const { assert!($from <= 4) };
         each!(@one $i 0 $from $n, $body);
         each!(@one $i 1 $from $n, $body);
         each!(@one $i 2 $from $n, $body);

@@ -28,6 +28,10 @@ fn a_rotation_without_rounding_makes_no_force() {
     let rule = CoMoving(Continuum::full(ByPoints(steel)));
     let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
     force(&|q| kernel.force(&u, q));
+    // What turns already stays as it is.
+    let rule = CoMoving(CoMoving(Continuum::full(steel)));
+    let kernel = rule.kernel(&FullyParameterised, &reference, &disk).unwrap();
+    force(&|q| kernel.force(&u, q));
 }
 
 /// Takes a shift from the slopes.

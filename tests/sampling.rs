@@ -141,8 +141,6 @@ fn the_full_rule_is_exact_and_the_reduced_one_is_not() {
     }
 }
 
-/// The two layers of selective reduced integration add up to the whole material where both are
-/// sampled alike, and a layer may be given by hand.
 /// What a material knows of itself is used where its type says that all of them know it.
 #[test]
 fn constant_materials_that_do_not_say_so_are_sampled() {
@@ -164,6 +162,8 @@ fn constant_materials_that_do_not_say_so_are_sampled() {
     assert!((said - unsaid).abs() < 1e-12 * said, "{said} {unsaid}");
 }
 
+/// The two layers of selective reduced integration add up to the whole material where both are
+/// sampled alike, and a layer may be given by hand.
 #[test]
 fn the_parts_of_a_material_add_up() {
     let disk = Disk::new(0.02).unwrap();

@@ -24,7 +24,8 @@ use crate::tensor::{add_scaled, cross, dot};
 /// element is little bent, and so is the error of its strains.
 ///
 /// Formulations with a kernel that keeps digits by itself ([`Formulation::turning_kernel`]) wear no
-/// frame. A continuum of constant elasticity has one ([`InParts`](super::InParts)): it costs a tenth
+/// frame, and one that says its kernels turn must have it. A continuum of a material that is
+/// [`Material::CONSTANT`](crate::material::Material::CONSTANT) has one ([`InParts`](super::InParts)): it costs a tenth
 /// of the force of a chain of spatial elements in single precision, a twentieth in double precision,
 /// and a sixth of their tangent. The frame costs a fifth of the force of a spatial element sampled at
 /// 35 points.
@@ -103,6 +104,16 @@ where
         }
         let kernel = self.0.kernel(element, reference, section)?;
         Ok(Either::Second(FramedKernel::new(kernel, reference)))
+    }
+
+    /// Its own: no frame is put around another.
+    fn turning_kernel(
+        &self,
+        element: &E,
+        reference: &Reference<R, D, S>,
+        section: &dyn Section<R>,
+    ) -> Result<Option<Self::Kernel>> {
+        self.kernel(element, reference, section).map(Some)
     }
 
     fn resampled(&self, axial: usize, section_degree: usize) -> Option<Self> {

@@ -1,7 +1,7 @@
 //! Continuum beams: a material sampled over the volume of the element by an axial Gauss rule
 //! times a section cubature (eqs. 17 and 18 of Orzechowski 2012). Every locking remedy is a list
-//! of [`Layer`]s: which part of the material is sampled with which rule. Where the elasticity is
-//! constant all layers are integrated once, when the kernel is made.
+//! of [`Layer`]s: which part of the material is sampled with which rule. Those of a material that is
+//! [`Material::CONSTANT`] are all integrated once, when the kernel is made.
 
 use super::either::Either;
 use super::gram::{Form, GramKernel};
@@ -123,7 +123,7 @@ impl<M> Continuum<M> {
 
 impl<M: PoissonSplit> Continuum<M> {
     /// The zero-Poisson option: only the part of the material that does not couple normal strains
-    /// (Young's modulus for the true shear modulus), fully integrated.
+    /// (Young's modulus for each, the true shear modulus), fully integrated.
     pub fn zero_poisson(material: M) -> Self {
         Self::full(material.uncoupled())
     }
@@ -147,8 +147,8 @@ impl<M: PoissonSplit> Continuum<M> {
     }
 }
 
-/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Constant elasticity in every layer is integrated once
-/// and for all, everything else sampled at every evaluation, on a straight reference or on another.
+/// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Layers of a material that is [`Material::CONSTANT`] are
+/// integrated once and for all, everything else is sampled at every evaluation, on a straight reference or on another.
 pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> = Either<
     Either<GramKernel<R, M, Direct, D, S>, GramKernel<R, M, InParts<R, D, S>, D, S>>,
     Either<PointKernel<R, M, D, S, K, true>, PointKernel<R, M, D, S, K, false>>,

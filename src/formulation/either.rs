@@ -5,6 +5,9 @@ use super::{ElementKernel, KernelWork, Tangent};
 use crate::scalar::{Algebra, Real};
 
 /// One of two kernels.
+///
+/// # Panics
+/// In all that is asked of it, if it is of a kind that is [`ABSENT`](ElementKernel::ABSENT).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Either<A, B> {
     /// The first.

@@ -24,8 +24,8 @@ pub trait SectionLaw<R: Real, const D: usize, const K: usize>:
     /// not, and machine code for each kind of register. By default they do not.
     const LANES: bool = false;
 
-    /// Whether no element is ever made of this law, whose functions are then not compiled where elements
-    /// sample it: that of a material that is integrated once, see [`Material::CONSTANT`].
+    /// Whether no element is ever made of this law, whose functions are then not compiled where its kernel
+    /// is one of several: that of a material that is integrated once, see [`Material::CONSTANT`].
     ///
     /// [`Material::CONSTANT`]: crate::material::Material::CONSTANT
     const ABSENT: bool = false;
@@ -142,10 +142,15 @@ where
     T: Algebra<R>,
     L: SectionLaw<R, D, K> + ?Sized,
 {
-    array(|k| {
+    let mut resultants = [[T::zero(); D]; K];
+    // A loop, so that there is the energy once.
+    for k in 0..K {
         let energy = law.energy(reference, &varied(h, k));
-        array(|c| T::derivative::<D>(&energy, c))
-    })
+        for c in 0..D {
+            resultants[k][c] = T::derivative::<D>(&energy, c);
+        }
+    }
+    resultants
 }
 
 #[inline(always)]

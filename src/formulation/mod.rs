@@ -357,7 +357,8 @@ pub trait Formulation<R: Real, E: Element<D, S>, const D: usize, const S: usize>
     ) -> Result<Self::Kernel>;
 
     /// A kernel that keeps its digits however far an element turns, where the formulation has one of
-    /// its own: what [`CoMoving`] takes instead of a frame. None by default.
+    /// its own: what [`CoMoving`] takes instead of a frame. None by default, which [`CoMoving`] refuses of
+    /// kernels that say they [turn](ElementKernel::TURNS): pass on what is asked of a formulation inside.
     ///
     /// # Errors
     /// Those of [`kernel`](Self::kernel).
