@@ -1,6 +1,7 @@
 //! Time of steps and iterations: `cargo bench --bench steps`. The paper's pendulum per step, steps of
 //! pendulums of 4 to 65 536 elements, a static Newton iteration and the factorisation in it; pendulum and
-//! iteration in narrower registers, too. Processor time of the thread and not of the clock: such runs are long enough for others to have their turns in.
+//! iteration in narrower registers, too. Processor time of the thread and not of the clock: such runs are long
+//! enough for others to have their turns in.
 #![allow(
     missing_docs,
     reason = "criterion's macros define items without documentation"
