@@ -25,9 +25,9 @@ use crate::tensor::{add_scaled, cross, dot};
 ///
 /// Formulations with a kernel that keeps digits by itself ([`Formulation::turning_kernel`]) wear no
 /// frame, and one that says its kernels turn must have it. A continuum of a material that is
-/// [`Material::CONSTANT`](crate::material::Material::CONSTANT) has one ([`InParts`](super::InParts)): it costs a tenth
-/// of the force of a chain of spatial elements in single precision, a twentieth in double precision,
-/// and a sixth of their tangent. The frame costs a fifth of the force of a spatial element sampled at
+/// [`Material::CONSTANT`](crate::material::Material::CONSTANT) has one ([`InParts`](super::InParts)): it
+/// costs a tenth of the force of a chain of spatial elements in single precision, a twentieth in double
+/// precision, and a sixth of their tangent. The frame costs a fifth of the force of a spatial element sampled at
 /// 35 points.
 ///
 /// # When to use it

@@ -148,7 +148,8 @@ impl<M: PoissonSplit> Continuum<M> {
 }
 
 /// Kernel of a [`Continuum`] beam; `K = 2 D - 1`. Layers of a material that is [`Material::CONSTANT`] are
-/// integrated once and for all, everything else is sampled at every evaluation, on a straight reference or on another.
+/// integrated once and for all, everything else is sampled at every evaluation, on a straight reference or
+/// on another.
 pub type ContinuumKernel<R, M, const D: usize, const S: usize, const K: usize> = Either<
     Either<GramKernel<R, M, Direct, D, S>, GramKernel<R, M, InParts<R, D, S>, D, S>>,
     Either<PointKernel<R, M, D, S, K, true>, PointKernel<R, M, D, S, K, false>>,

@@ -27,6 +27,8 @@ macro_rules! of_either {
     };
 }
 
+/// Never reached from a beam: a form is made of materials that are constant only, a frame of kernels that do
+/// not turn, and parts of an absent law are refused where a sampled kernel is given them.
 #[cold]
 #[inline(never)]
 fn absent() -> ! {
