@@ -157,14 +157,24 @@ fn threads_change_no_bit() {
     check::<2, 6>();
 }
 
-/// Some steps of a pendulum: all displacements, and how many iterations they took.
-fn swung(elements: usize) -> (Vec<f64>, usize) {
+/// Some steps of a pendulum: all displacements, and how many iterations they took. Another beam may be
+/// `beside` it, held at both ends.
+fn swung(elements: usize, beside: bool) -> (Vec<f64>, usize) {
     let mut scene = Scene::<f64, 3>::new();
-    let beam = Beam::new(FullyParameterised, Disk::new(0.01).unwrap(), rule());
-    let end = [0.1 * elements as f64, 0.0, 0.0];
-    let beam = beam.straight([0.0; 3], end, elements).density(7200.0);
-    let beam = scene.add(beam).unwrap();
+    let straight = |length: f64, elements| {
+        let beam = Beam::new(FullyParameterised, Disk::new(0.01).unwrap(), rule());
+        let beam = beam.straight([0.0; 3], [length, 0.0, 0.0], elements);
+        beam.density(7200.0)
+    };
+    let beam = scene
+        .add(straight(0.1 * elements as f64, elements))
+        .unwrap();
     scene.pin(beam.start()).unwrap();
+    if beside {
+        let other = scene.add(straight(0.1, 1)).unwrap();
+        scene.clamp(other.start()).unwrap();
+        scene.clamp(other.end()).unwrap();
+    }
     scene.gravity([0.0, -9.81, 0.0]).unwrap();
     let system = scene.assemble().unwrap();
     let method = Newmark::trapezoidal();
@@ -178,7 +188,7 @@ fn swung(elements: usize) -> (Vec<f64>, usize) {
 /// chain is longer.
 #[test]
 fn elimination_in_pieces_is_elimination_as_a_whole() {
-    let ((short, few), (long, many)) = (swung(1000), swung(1100));
+    let ((short, few), (long, many)) = (swung(1000, false), swung(1100, false));
     assert_eq!(few, many);
     let near = 12 * 200;
     let top = short[..near].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -188,12 +198,21 @@ fn elimination_in_pieces_is_elimination_as_a_whole() {
     }
 }
 
+/// A long beam alone is balanced and eliminated in parts, and as a whole where others are in the scene.
+#[test]
+fn a_beam_beside_changes_no_bit() {
+    let ((alone, few), (beside, many)) = (swung(1100, false), swung(1100, true));
+    assert_eq!(few, many);
+    assert!(alone[..] == beside[..alone.len()]);
+    assert!(beside[alone.len()..].iter().all(|x| *x == 0.0));
+}
+
 #[cfg(feature = "rayon")]
 #[test]
 fn threads_change_no_bit_of_a_run() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        pool.build().unwrap().install(|| swung(1100))
+        pool.build().unwrap().install(|| swung(1100, false))
     };
     assert!(on(1) == on(2));
 }
@@ -211,9 +230,9 @@ impl<R: Real> Connector<R, 2, 1> for Spring {
     }
 }
 
-/// What is told to be complete is what the whole tangent holds there, whatever else acts on a chain.
-#[test]
-fn complete_unknowns_gain_nothing_more() {
+/// Shows long chains with what else acts on them, whether they are eliminated while they are assembled,
+/// and whether their forces are evaluated in parts.
+fn each_scene(mut show: impl FnMut(&str, &System<f64, 2>, [bool; 2])) {
     let scene = |add: &Acts| {
         let beam = Beam::new(FullyParameterised, Disk::new(0.05).unwrap(), rule());
         let beam = beam.straight([0.0; 2], [0.25 * 1200.0, 0.0], 1200);
@@ -254,18 +273,55 @@ fn complete_unknowns_gain_nothing_more() {
             .join(beam.start(), other.start(), Joint::Spherical)
             .unwrap();
     };
-    let all: [(&str, &Acts, bool); 7] = [
-        ("nothing", &nothing, true),
-        ("supports", &held, true),
-        ("a moment", &turned, false),
-        ("a mass", &heavy, false),
-        ("a spring", &sprung, false),
-        ("a condition", &together, false),
-        ("two beams", &two, false),
+    let all: [(&str, &Acts, [bool; 2]); 7] = [
+        ("nothing", &nothing, [true, true]),
+        ("supports", &held, [true, true]),
+        ("a moment", &turned, [false, true]),
+        ("a mass", &heavy, [false, false]),
+        ("a spring", &sprung, [false, false]),
+        ("a condition", &together, [false, false]),
+        ("two beams", &two, [false, false]),
     ];
-    for (name, add, early) in all {
-        let system = scene(add);
-        let u = moved(&system, 0.0);
+    for (name, add, expected) in all {
+        show(name, &scene(add), expected);
+    }
+}
+
+/// Forces of parts are those of the whole, to the last bit and wherever a part is told to complete
+/// them, whatever else acts on a chain.
+#[test]
+fn forces_of_parts_are_those_of_the_whole() {
+    each_scene(|name, system, [_, several]| {
+        let (u, a) = (moved(system, 0.0), moved(system, 1.0));
+        let zeros = || vec![0.0; u.len()];
+        let (mut whole, mut sums) = ([zeros(), zeros()], [zeros(), zeros()]);
+        system.add_internal(&u, &mut whole[0]);
+        system.add_mass_times(3.0, &a, &mut whole[1]);
+        let (mut told, mut times) = (0, 0);
+        system.each_part(&mut |part| {
+            assert!(part.coordinates.start >= told, "{name}");
+            let before = sums.clone();
+            system.add_internal_of(part, &u, &mut sums[0]);
+            system.add_mass_times_of(part, 3.0, &a, &mut sums[1]);
+            for (sum, before) in sums.iter().zip(&before) {
+                let acts = |i: &usize| sum[*i] != before[*i];
+                let mut outside = (0..u.len()).filter(|i| !part.coordinates.contains(i));
+                assert!(!outside.any(|i| acts(&i)), "{name}");
+            }
+            (told, times) = (part.complete, times + 1);
+            for (sum, whole) in sums.iter().zip(&whole) {
+                assert!(sum[..told] == whole[..told], "{name}: {told}");
+            }
+        });
+        assert_eq!((told, times > 1), (u.len(), several), "{name}");
+    });
+}
+
+/// What is told to be complete is what the whole tangent holds there, whatever else acts on a chain.
+#[test]
+fn complete_unknowns_gain_nothing_more() {
+    each_scene(|name, system, [early, _]| {
+        let u = moved(system, 0.0);
         let size = system.unknowns().count();
         let mut k = Matrix::zero(system.unknowns(), true);
         system
@@ -296,7 +352,7 @@ fn complete_unknowns_gain_nothing_more() {
         for i in told..size {
             assert_eq!(line(&k, i), whole[i], "{name}: unknown {i}");
         }
-    }
+    });
 }
 
 /// One spring, and one that goes slack as it is pushed back: then nothing is added for it.

@@ -13,7 +13,7 @@ use crate::element::{Element, NodalVector};
 use crate::error::Result;
 use crate::formulation::{ElementKernel, Inertia, Reference};
 use crate::scalar::{Lanes, Real};
-use crate::solver::{BandMatrix, Matrix, Ready};
+use crate::solver::{BandMatrix, Matrix, Part, Ready};
 use crate::tensor::sum;
 use shares::{Numbers, Task};
 use works::{Acceleration, Force, Secant, SecantStiffness, Stiffness};
@@ -91,7 +91,10 @@ fn of<T>(all: &[T], element: usize) -> &T {
 /// What the system asks of a body. Everything is added to what is given.
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
-    fn force(&self, u: &[R], q: &mut [R]);
+    /// Internal forces of some elements, or of all.
+    fn force(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]);
+    /// Shows the parts that forces are evaluated in; the body is the only one.
+    fn parts(&self, each: &mut dyn FnMut(&Part));
     /// Tangent and, with a density, this share of the mass matrix; who is `ready` for it may be told on
     /// the way which of the first unknowns are complete.
     fn tangent(
@@ -105,8 +108,9 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()>;
-    /// Adds `factor` times the mass matrix times accelerations; nothing without a density.
-    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]);
+    /// Adds `factor` times the mass matrix of some elements, or of all, times accelerations; nothing
+    /// without a density.
+    fn add_mass_times(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]);
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
@@ -328,14 +332,15 @@ where
         L::scatter(force.as_flattened(), q.numbers, start);
     }
 
-    /// Has a task add to all numbers of the system.
-    fn share_numbers<T>(&self, task: &T, numbers: &mut [R])
+    /// Has a task for some elements, or for all, add to numbers of the system.
+    fn share_numbers<T>(&self, task: &T, elements: Option<&Range<usize>>, numbers: &mut [R])
     where
         T: for<'o> Task<R, D, S, Out<'o> = Numbers<'o, R>>,
     {
+        let elements = elements.cloned().unwrap_or(0..self.starts.len());
         let mut all = Numbers { first: 0, numbers };
         // Nothing that adds to numbers can fail.
-        let _ = self.share(task, 0..self.starts.len(), &mut all);
+        let _ = self.share(task, elements, &mut all);
     }
 
     /// The first coordinate of each of a group's elements, by lanes.
@@ -355,8 +360,12 @@ where
         (0..self.starts.len()).map(energy).sum()
     }
 
-    fn force(&self, u: &[R], q: &mut [R]) {
-        self.share_numbers(&Force { chain: self, u }, q);
+    fn force(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]) {
+        self.share_numbers(&Force { chain: self, u }, elements, q);
+    }
+
+    fn parts(&self, each: &mut dyn FnMut(&Part)) {
+        self.each_part(each);
     }
 
     fn tangent(
@@ -380,7 +389,7 @@ where
             viscosity,
             ends: [from, to],
         };
-        self.share_numbers(&task, q);
+        self.share_numbers(&task, None, q);
     }
 
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()> {
@@ -392,9 +401,9 @@ where
         self.share_matrix(&task, k, None)
     }
 
-    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+    fn add_mass_times(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
         let chain = self;
-        self.share_numbers(&Acceleration { chain, factor, a }, out);
+        self.share_numbers(&Acceleration { chain, factor, a }, elements, out);
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {

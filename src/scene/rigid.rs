@@ -13,7 +13,7 @@ use super::{Node, Placed, Scene};
 use crate::element::NodalVector;
 use crate::error::{Error, Result, finite, positive};
 use crate::scalar::{Algebra, Real};
-use crate::solver::{BandMatrix, Matrix, Ready};
+use crate::solver::{BandMatrix, Matrix, Part, Ready};
 use crate::tensor::dot;
 
 const VECTORS: [NodalVector; 4] = [
@@ -221,7 +221,11 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
         R::zero()
     }
 
-    fn force(&self, _u: &[R], _q: &mut [R]) {}
+    fn force(&self, _elements: Option<&Range<usize>>, _u: &[R], _q: &mut [R]) {}
+
+    fn parts(&self, each: &mut dyn FnMut(&Part)) {
+        each(&Part::whole(self.offset + self.vectors.len() * D));
+    }
 
     fn tangent(
         &self,
@@ -254,7 +258,7 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
         Ok(())
     }
 
-    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+    fn add_mass_times(&self, _elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
         let range = self.offset..self.offset + self.vectors.len() * D;
         let rows = out[range.clone()].chunks_exact_mut(D).zip(&self.moments);
         for (out, moments) in rows {

@@ -184,11 +184,11 @@ impl<R: Real> Factor<R> {
     }
 
     /// Begins to factorise in the storage of a matrix while it is assembled, for
-    /// [`advance`](Self::advance) and [`keep`](Self::keep), along with a right-hand side if there is
-    /// one. False where that is not done: for sparse and for general matrices.
-    pub(super) fn begin(&mut self, x: Option<&[R]>) -> bool {
+    /// [`advance`](Self::advance) and [`keep`](Self::keep), along with a right-hand side if one is
+    /// loaded. False where that is not done: for sparse and for general matrices.
+    pub(super) fn begin(&mut self, load: Option<impl FnOnce(&mut [R])>) -> bool {
         self.held = Held::Nothing;
-        self.ldlt.as_mut().map(|ldlt| ldlt.begin(x)).is_some()
+        self.ldlt.as_mut().map(|ldlt| ldlt.begin(load)).is_some()
     }
 
     /// Eliminates as far as the first `lines` of a matrix allow, to which nothing more may be added.
@@ -204,11 +204,11 @@ impl<R: Real> Factor<R> {
         }
     }
 
-    /// Keeps the factors of a matrix that is eliminated to the end, which is then clear, and replaces
-    /// the right-hand side by the solution.
-    pub(super) fn keep(&mut self, matrix: &mut Stored<R>, x: Option<&mut [R]>) {
+    /// Keeps the factors of a matrix that is eliminated to the end, which is then clear, and has the
+    /// solution for the right-hand side read.
+    pub(super) fn keep(&mut self, matrix: &mut Stored<R>, read: Option<impl FnOnce(&[R])>) {
         if let (Some(ldlt), Some(matrix)) = (&mut self.ldlt, matrix.envelope()) {
-            ldlt.keep(matrix, x);
+            ldlt.keep(matrix, read);
             self.held = Held::Ldlt;
         }
     }

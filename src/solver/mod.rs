@@ -38,7 +38,7 @@ pub use progress::{PathCheckpoint, PathRefusal};
 pub use state::State;
 pub use statics::{StaticReport, Statics};
 pub use stored::Stored;
-pub use structure::{Rate, Ready, Secant, Structure};
+pub use structure::{Part, Rate, Ready, Secant, Structure};
 pub(crate) use structure::{add_growing, add_projection, add_tangent_with, each_gradient, held};
 pub use tape::{Record, Tape};
 pub(crate) use unknowns::dependent;

@@ -295,10 +295,7 @@ fn definite<R: Real>(matrix: &Matrix<R>, held: &Multipliers, what: &str) -> Resu
 pub(super) fn spread<R: Real, S: Structure<R>>(structure: &S, x: &[R]) -> Vec<R> {
     let unknowns = structure.unknowns();
     let mut all = vec![R::zero(); unknowns.coordinates()];
-    for (x, i) in x.iter().zip(unknowns.free()) {
-        all[*i] = *x;
-    }
-    unknowns.follow(&mut all);
+    unknowns.spread(x, &mut all);
     all
 }
 

@@ -74,6 +74,8 @@ pub(crate) struct Workspace<R> {
     held_mass: bool,
     /// Whether the factors are those of the state that the next solve starts from.
     current: bool,
+    /// Whether the external forces of this solve are known.
+    loaded: bool,
     /// The largest force met first in this solve; zero as long as there was none.
     force: R,
     /// Natural sizes of the coordinates over the largest; zero for those that are no unknowns.
@@ -135,6 +137,7 @@ impl<R: Real> Workspace<R> {
             assembled: Assembled::Nothing,
             held_mass: false,
             current: false,
+            loaded: false,
             force: R::zero(),
             weights,
             per_size: measure.iter().enumerate().map(per_size).collect(),
@@ -251,7 +254,7 @@ impl<R: Real> Workspace<R> {
         let (mut open, mut floored) = (Mask::ALL, Mask::NONE);
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
-        self.force = R::zero();
+        (self.loaded, self.force) = (false, R::zero());
         self.assembled = Assembled::Nothing;
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
@@ -353,6 +356,7 @@ impl<R: Real> Workspace<R> {
                 equations.factor += change.ok_or_else(|| {
                     self.unconverged(solved, "the step leads to no point of the path")
                 })?;
+                self.loaded = false;
             }
             correction = Some(self.correct(open, u));
             solved.iterations += 1;
@@ -450,11 +454,9 @@ impl<R: Real> Workspace<R> {
             return Ok(false);
         }
         let unknowns = structure.unknowns();
-        if solving {
-            gather(unknowns, &self.scratch, &mut self.unknown);
-        }
         let (factors, k) = (&mut self.factor, &mut self.tangent);
-        if !factors.begin(solving.then_some(&self.unknown)) {
+        let load = |x: &mut [R]| unknowns.gather(&self.scratch, x);
+        if !factors.begin(solving.then_some(load)) {
             return Ok(false);
         }
         k.clear();
@@ -469,10 +471,8 @@ impl<R: Real> Workspace<R> {
         sound = sound && factors.advance(k.stored_mut(), unknowns.count())?;
         self.definite = sound;
         if sound {
-            factors.keep(k.stored_mut(), solving.then_some(&mut self.unknown));
-            if solving {
-                spread(unknowns, &self.unknown, &mut self.scratch);
-            }
+            let read = |x: &[R]| unknowns.spread(x, &mut self.scratch);
+            factors.keep(k.stored_mut(), solving.then_some(read));
         }
         Ok(sound)
     }
@@ -544,25 +544,10 @@ fn solve_by<R: Real>(
     unknown: &mut [R],
     x: &mut [R],
 ) -> Result<()> {
-    gather(unknowns, x, unknown);
+    unknowns.gather(x, unknown);
     solve(unknown)?;
-    spread(unknowns, unknown, x);
+    unknowns.spread(unknown, x);
     Ok(())
-}
-
-/// The unknowns among coordinates.
-fn gather<R: Real>(unknowns: &Unknowns<R>, x: &[R], unknown: &mut [R]) {
-    for (q, &i) in unknown.iter_mut().zip(unknowns.free()) {
-        *q = x[i];
-    }
-}
-
-/// The coordinates that follow from unknowns.
-fn spread<R: Real>(unknowns: &Unknowns<R>, unknown: &[R], x: &mut [R]) {
-    for (q, &i) in unknown.iter().zip(unknowns.free()) {
-        x[i] = *q;
-    }
-    unknowns.follow(x);
 }
 
 /// A singular matrix in the words of the structure.

@@ -36,6 +36,29 @@ pub enum Secant {
 /// Takes a matrix of which as many of the first unknowns are complete.
 pub type Ready<'a, R> = &'a mut dyn FnMut(&mut Matrix<R>, usize) -> Result<()>;
 
+/// A part of a structure whose forces are evaluated together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Part {
+    /// Its elements; none for the whole structure.
+    pub elements: Option<Range<usize>>,
+    /// The coordinates that its forces act on.
+    pub coordinates: Range<usize>,
+    /// How many of the first coordinates no later part acts on.
+    pub complete: usize,
+}
+
+impl Part {
+    /// All of a structure with as many coordinates.
+    #[must_use]
+    pub fn whole(coordinates: usize) -> Self {
+        Self {
+            elements: None,
+            coordinates: 0..coordinates,
+            complete: coordinates,
+        }
+    }
+}
+
 /// A structure with `n` coordinates: `M a + Q_s(u) = Q_e(t, u)` (eq. 16 of Orzechowski 2012) in
 /// displacements `u` from the reference state. Every method adds to its output.
 pub trait Structure<R: Real> {
@@ -105,6 +128,30 @@ pub trait Structure<R: Real> {
 
     /// Adds the internal forces `Q_s(u)`.
     fn add_internal(&self, u: &[R], q: &mut [R]);
+
+    /// Shows the parts that the structure's forces are evaluated in, each of which acts on coordinates
+    /// that follow those complete before it; together they act on all. So a long structure goes through
+    /// the caches once where several sums are formed side by side. By default it is one part, and
+    /// [`add_holding`](Self::add_holding) of one in several adds nothing.
+    fn each_part(&self, each: &mut dyn FnMut(&Part)) {
+        each(&Part::whole(self.unknowns().coordinates()));
+    }
+
+    /// Adds the internal forces of a part.
+    fn add_internal_of(&self, _part: &Part, u: &[R], q: &mut [R]) {
+        self.add_internal(u, q);
+    }
+
+    /// Adds `factor * M a` of a part.
+    fn add_mass_times_of(&self, _part: &Part, factor: R, a: &[R], out: &mut [R]) {
+        self.add_mass_times(factor, a, out);
+    }
+
+    /// Whether external forces at a given time and load factor change with the state; by default they
+    /// may.
+    fn has_following(&self) -> bool {
+        true
+    }
 
     /// Adds `factor * Q_e(t, u)`, all external forces; none by default.
     ///

@@ -259,10 +259,38 @@ impl<R: Real> Unknowns<R> {
         &self.tables.profile
     }
 
+    /// The unknowns among coordinates.
+    pub(super) fn gather(&self, coordinates: &[R], unknowns: &mut [R]) {
+        self.each_run(|q, i| unknowns[q].copy_from_slice(&coordinates[i]));
+    }
+
+    /// The coordinates that the unknowns make.
+    pub(super) fn spread(&self, unknowns: &[R], coordinates: &mut [R]) {
+        self.each_run(|q, i| coordinates[i].copy_from_slice(&unknowns[q]));
+        self.follow(coordinates);
+    }
+
+    /// Calls `each` with unknowns in a row and with the coordinates that they are.
+    fn each_run(&self, mut each: impl FnMut(Range<usize>, Range<usize>)) {
+        let mut q = 0;
+        while let Some(&i) = self.tables.free.get(q) {
+            let count = self.in_a_row(i);
+            each(q..q + count, i..i + count);
+            q += count;
+        }
+    }
+
     /// Generalised forces of the coordinates turned into those of the unknowns, `T^T Q`, in place:
     /// those of a follower go to what it follows and leave zero behind.
     pub fn reduce(&self, force: &mut [R]) {
-        for follower in &self.tables.followers {
+        self.reduce_within(0..self.coordinates(), force);
+    }
+
+    /// [`reduce`](Self::reduce) for the followers among some coordinates.
+    pub(super) fn reduce_within(&self, coordinates: Range<usize>, force: &mut [R]) {
+        let followers = &self.tables.followers;
+        let before = |end: usize| followers.partition_point(|f| f.coordinate < end);
+        for follower in &followers[before(coordinates.start)..before(coordinates.end)] {
             let q = force[follower.coordinate];
             force[follower.coordinate] = R::zero();
             for (i, a) in &follower.terms {
@@ -311,7 +339,7 @@ impl<R: Real> Unknowns<R> {
     }
 
     /// Whether unknowns are numbered as their coordinates are, and no coordinate follows others.
-    pub(super) fn in_order(&self) -> bool {
+    pub(crate) fn in_order(&self) -> bool {
         self.tables.ordered
     }
 

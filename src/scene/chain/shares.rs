@@ -9,13 +9,16 @@ use super::Chain;
 use crate::error::Result;
 use crate::formulation::{ElementKernel, KernelWork};
 use crate::scalar::{Lanes, Real};
-use crate::solver::{Matrix, Ready, Rows};
+use crate::solver::{Matrix, Part, Ready, Rows};
 
 /// Elements that are not worth a thread of their own.
 pub(super) const SHARE: usize = 512;
 
 /// Elements whose tangents and factors the second cache holds.
 const PIECE: usize = 64;
+
+/// Elements of which it holds displacements, accelerations and forces.
+const PART: usize = 256;
 
 /// What elements of a chain add, and what they add it to.
 pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
@@ -122,6 +125,27 @@ where
             })?;
         }
         Ok(())
+    }
+
+    /// Shows all elements part by part, larger ones where threads share them.
+    pub(super) fn each_part(&self, each: &mut dyn FnMut(&Part)) {
+        let count = self.starts.len();
+        let size = match threads::<R>() {
+            1 => PART,
+            threads => 2 * SHARE * threads,
+        };
+        for first in (0..count).step_by(size) {
+            let next = count.min(first + size);
+            let coordinates = self.range(first).start..self.range(next - 1).end;
+            each(&Part {
+                complete: match next == count {
+                    true => coordinates.end,
+                    false => self.range(next).start,
+                },
+                elements: Some(first..next),
+                coordinates,
+            });
+        }
     }
 
     /// Does a task that adds to a matrix for all elements: of a long chain together for those that

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::scalar::{Elementwise, Real, elementwise};
 use crate::scene::chain::Body;
 use crate::scene::load::NodalLoad;
-use crate::solver::{Matrix, Rate, Ready, Secant, Structure, Unknowns, add_tangent_with};
+use crate::solver::{Matrix, Part, Rate, Ready, Secant, Structure, Unknowns, add_tangent_with};
 
 elementwise! {
     /// Adds a multiple.
@@ -38,6 +38,40 @@ impl<R: Real, const D: usize> System<R, D> {
             load.add(amplitude, |i| self.reference[i] + u[i], q);
         }
         Ok(())
+    }
+
+    /// Whether the forces of one long beam are all that acts between coordinates.
+    fn alone(&self) -> Option<&Body<R, D>> {
+        let bare = self.connectors.is_empty() && self.masses.is_empty();
+        match &self.bodies[..] {
+            [body] if bare && self.constraints.is_empty() => Some(body),
+            _ => None,
+        }
+    }
+
+    /// Internal forces of all elements, or of some of the only body's.
+    fn add_elastic(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]) {
+        for body in &self.bodies {
+            body.elastic().force(elements, u, q);
+        }
+        for link in &self.connectors {
+            link.force(u, q);
+        }
+    }
+
+    /// The same of inertia.
+    fn add_inertia(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
+        if self.mass.is_none() {
+            return;
+        }
+        for body in &self.bodies {
+            body.elastic().add_mass_times(elements, factor, a, out);
+        }
+        for (vector, m) in &self.masses {
+            for i in vector * D..(vector + 1) * D {
+                out[i] += factor * *m * a[i];
+            }
+        }
     }
 
     /// Tangents of all but bodies.
@@ -119,12 +153,26 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn add_internal(&self, u: &[R], q: &mut [R]) {
-        for body in &self.bodies {
-            body.elastic().force(u, q);
+        self.add_elastic(None, u, q);
+    }
+
+    fn each_part(&self, each: &mut dyn FnMut(&Part)) {
+        match self.alone().filter(|_| self.unknowns.in_order()) {
+            Some(body) => body.elastic().parts(each),
+            None => each(&Part::whole(self.unknowns.coordinates())),
         }
-        for link in &self.connectors {
-            link.force(u, q);
-        }
+    }
+
+    fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
+        self.add_elastic(part.elements.as_ref(), u, q);
+    }
+
+    fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
+        self.add_inertia(part.elements.as_ref(), factor, a, out);
+    }
+
+    fn has_following(&self) -> bool {
+        self.loads.iter().any(NodalLoad::has_tangent)
     }
 
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
@@ -194,12 +242,9 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
         k: &mut Matrix<R>,
         ready: Ready<'_, R>,
     ) -> Result<()> {
-        let stiff = self.loads.iter().any(NodalLoad::has_tangent);
-        match &self.bodies[..] {
-            [body] if self.connectors.is_empty() && self.masses.is_empty() && !stiff => {
-                body.elastic().tangent(u, mass, k, Some(ready))
-            }
-            _ => add_tangent_with(self, (time, factor), u, mass, k),
+        match self.alone().filter(|_| !self.has_following()) {
+            Some(body) => body.elastic().tangent(u, mass, k, Some(ready)),
+            None => add_tangent_with(self, (time, factor), u, mass, k),
         }
     }
 
@@ -284,17 +329,7 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
-        if self.mass.is_none() {
-            return;
-        }
-        for body in &self.bodies {
-            body.elastic().add_mass_times(factor, a, out);
-        }
-        for (vector, m) in &self.masses {
-            for i in vector * D..(vector + 1) * D {
-                out[i] += factor * *m * a[i];
-            }
-        }
+        self.add_inertia(None, factor, a, out);
     }
 
     fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {

@@ -31,7 +31,7 @@ pub(super) struct Ldlt<R> {
     starts: Vec<usize>,
     /// How many unknowns are eliminated together with each one: their reach is the same, so that
     /// they share their rows.
-    counts: Vec<usize>,
+    counts: Vec<u8>,
     /// How many unknowns are eliminated, and how many columns that has touched.
     done: usize,
     seen: usize,
@@ -53,7 +53,7 @@ pub(super) struct Ldlt<R> {
 }
 
 /// How many unknowns of equal `reach` go together with each one.
-fn counts(reach: &[usize]) -> Vec<usize> {
+fn counts(reach: &[usize]) -> Vec<u8> {
     let mut counts = vec![1; reach.len()];
     let mut j = 0;
     while j < reach.len() {
@@ -62,7 +62,7 @@ fn counts(reach: &[usize]) -> Vec<usize> {
             .into_iter()
             .find(|count| alike(*count))
             .unwrap_or(1);
-        counts[j..j + count].fill(count);
+        counts[j..j + count].fill(count as u8);
         j += count;
     }
     counts
@@ -109,33 +109,43 @@ impl<R: Real> Ldlt<R> {
     /// Whether the matrix could be factorised stably; if not, it needs pivoting. A right-hand side `x` is
     /// then replaced by the solution: elimination takes it along, while columns are at hand.
     pub(super) fn factor(&mut self, matrix: &BandMatrix<R>, x: Option<&mut [R]>) -> Result<bool> {
-        let mut vector = x.as_deref().map(|x| self.take(x));
-        self.begin(None);
-        let stable = R::dispatch(Factorisation {
-            lines: self.inverse.len(),
-            reach: matrix.profile().reach(),
-            matrix: Some(matrix),
-            x: vector.as_deref_mut(),
-            ldlt: self,
-        });
-        if let (Some(x), Some(mut vector)) = (x, vector) {
-            if let Ok(true) = stable {
-                self.finish::<false>(matrix.profile(), &mut vector, x);
-            }
-            self.vector = vector;
+        let from = x.as_deref();
+        self.begin(from.map(|x| |vector: &mut [R]| vector.copy_from_slice(x)));
+        let stable = self.go_on(matrix.profile(), Some(matrix), self.inverse.len());
+        if let (Some(x), Ok(true)) = (x, &stable) {
+            self.finish::<false>(matrix.profile(), |found| x.copy_from_slice(found));
         }
         stable
     }
 
+    /// Eliminates as far as the first `lines` allow, in the columns or from a matrix that they are fetched
+    /// from.
+    fn go_on(
+        &mut self,
+        profile: &Profile,
+        matrix: Option<&BandMatrix<R>>,
+        lines: usize,
+    ) -> Result<bool> {
+        let mut vector = std::mem::take(&mut self.vector);
+        let sound = R::dispatch(Factorisation {
+            lines,
+            reach: profile.reach(),
+            matrix,
+            x: self.along.then_some(&mut vector[..]),
+            ldlt: self,
+        });
+        self.vector = vector;
+        sound
+    }
+
     /// Begins to eliminate in a matrix, of which [`advance`](Self::advance) takes the lines as they come,
-    /// along with a right-hand side if there is one.
-    pub(super) fn begin(&mut self, x: Option<&[R]>) {
+    /// along with a right-hand side if one is loaded.
+    pub(super) fn begin(&mut self, load: Option<impl FnOnce(&mut [R])>) {
         (self.done, self.seen) = (0, 0);
         self.negative = R::zero();
-        self.along = x.is_some();
-        if let Some(x) = x {
-            let vector = self.take(x);
-            self.vector = vector;
+        self.along = load.is_some();
+        if let Some(load) = load {
+            self.load(load);
         }
     }
 
@@ -148,56 +158,45 @@ impl<R: Real> Ldlt<R> {
         };
         // What was written there before are factors.
         matrix.write_up_to(last);
-        let mut vector = std::mem::take(&mut self.vector);
         matrix.exchange(&mut self.columns);
-        let sound = R::dispatch(Factorisation {
-            lines,
-            reach: matrix.profile().reach(),
-            matrix: None,
-            x: self.along.then_some(&mut vector[..]),
-            ldlt: self,
-        });
+        let sound = self.go_on(matrix.profile(), None, lines);
         matrix.exchange(&mut self.columns);
-        self.vector = vector;
         sound
     }
 
     /// Takes the storage of a matrix in which all is eliminated for that of the factors, and solves for
-    /// the right-hand side that went along.
-    pub(super) fn keep(&mut self, matrix: &mut BandMatrix<R>, x: Option<&mut [R]>) {
+    /// the right-hand side that went along where someone is to `read` it.
+    pub(super) fn keep(&mut self, matrix: &mut BandMatrix<R>, read: Option<impl FnOnce(&[R])>) {
         matrix.exchange(&mut self.columns);
         matrix.clear();
-        if let Some(x) = x {
-            let mut vector = std::mem::take(&mut self.vector);
-            self.finish::<false>(matrix.profile(), &mut vector, x);
-            self.vector = vector;
+        if let Some(read) = read {
+            self.finish::<false>(matrix.profile(), read);
         }
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
-        let mut vector = self.take(x);
-        self.finish::<true>(profile, &mut vector, x);
-        self.vector = vector;
+        self.load(|own| own.copy_from_slice(x));
+        self.finish::<true>(profile, |found| x.copy_from_slice(found));
     }
 
-    /// The vector that is worked on, with the numbers of `x`.
-    fn take(&mut self, x: &[R]) -> Vec<R> {
-        let mut vector = std::mem::take(&mut self.vector);
-        let (own, behind) = vector.split_at_mut(x.len());
-        own.copy_from_slice(x);
+    /// Has a right-hand side written to where it is worked on.
+    fn load(&mut self, load: impl FnOnce(&mut [R])) {
+        let (own, behind) = self.vector.split_at_mut(self.inverse.len());
+        load(own);
         // Infinite forces leave what is no number there.
         behind.fill(R::zero());
-        vector
     }
 
-    /// Solves in `vector` for `x`, with elimination (`FORWARD`) or after it.
-    fn finish<const FORWARD: bool>(&self, profile: &Profile, vector: &mut [R], x: &mut [R]) {
+    /// Solves with elimination (`FORWARD`) or after it, and has the solution read.
+    fn finish<const FORWARD: bool>(&mut self, profile: &Profile, read: impl FnOnce(&[R])) {
+        let mut vector = std::mem::take(&mut self.vector);
         R::dispatch(Solution::<_, FORWARD> {
             ldlt: self,
             reach: profile.reach(),
-            x: vector,
+            x: &mut vector,
         });
-        x.copy_from_slice(&vector[..x.len()]);
+        self.vector = vector;
+        read(&self.vector[..self.inverse.len()]);
     }
 
     /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
@@ -512,7 +511,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
                 ldlt.diagonal[i] = ldlt.columns[ldlt.starts[i]];
                 ldlt.seen += 1;
             }
-            let count = ldlt.counts[j];
+            let count = usize::from(ldlt.counts[j]);
             loop {
                 let trusted = match count {
                     PANEL => ldlt.eliminate::<L, PANEL>(j, last, matrix, definite),
@@ -555,7 +554,7 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
         let Self { ldlt, reach, x } = self;
         let mut j = if FORWARD { 0 } else { reach.len() };
         while j < reach.len() {
-            let count = ldlt.counts[j];
+            let count = usize::from(ldlt.counts[j]);
             match count {
                 PANEL => ldlt.forward::<L, PANEL>(j, reach[j], x),
                 2 => ldlt.forward::<L, 2>(j, reach[j], x),
@@ -565,7 +564,7 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
         }
         let far = ahead::far(&ldlt.columns);
         while j > 0 {
-            let count = ldlt.counts[j - 1];
+            let count = usize::from(ldlt.counts[j - 1]);
             j -= count;
             if far && let Some(soon) = j.checked_sub(ahead::COLUMNS) {
                 ahead::fetch(&ldlt.columns[ldlt.starts[soon]..ldlt.starts[soon + count]]);

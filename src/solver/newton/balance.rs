@@ -1,7 +1,7 @@
 //! The balance of forces: its residual in the units of the structure, what rounding may leave of it
 //! and what that takes of the answer.
 
-use super::{Assembled, Equations, Rest, Workspace, gather};
+use super::{Assembled, Equations, Rest, Workspace};
 use crate::error::Result;
 use crate::scalar::{Elementwise, Loops, Real, elementwise};
 use crate::solver::Structure;
@@ -15,83 +15,115 @@ pub(super) struct Balance<R> {
 }
 
 impl<R: Real> Workspace<R> {
-    /// Residual `Q_e - Q_s - M a` in `scratch`, and its norm.
+    /// Residual `Q_e - Q_s - M a` in `scratch`, its norm and that of the largest force, over what acts on
+    /// the unknowns: what a support carries is no measure of the rest. Formed part by part, while the
+    /// caches hold it.
     pub(super) fn balance<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         equations: &Equations<'_, R>,
         u: &[R],
     ) -> Result<Balance<R>> {
-        self.internal.fill(R::zero());
-        self.external.fill(R::zero());
-        structure.add_internal(u, &mut self.internal);
-        structure.add_holding(equations.time, u, &mut self.internal);
-        structure.add_external(equations.time, equations.factor, u, &mut self.external)?;
+        if !self.loaded || structure.has_following() {
+            self.load(structure, equations, u)?;
+        }
+        let unknowns = structure.unknowns();
+        let open = self.force.at_most(R::zero());
+        let (sized, unit) = (!open.any(), R::one() / self.unit());
+        let Self {
+            external,
+            internal,
+            inertia,
+            scratch,
+            moved,
+            weights,
+            ..
+        } = self;
+        let (mut sums, mut largest) = (Squares::zero(), [R::zero(); PARTS]);
+        let (mut touched, mut done) = (0, 0);
+        structure.each_part(&mut |part| {
+            let fresh = touched..part.coordinates.end;
+            internal[fresh.clone()].fill(R::zero());
+            structure.add_internal_of(part, u, internal);
+            if part.complete == u.len() {
+                structure.add_holding(equations.time, u, internal);
+            }
+            let complete = done..part.complete;
+            (touched, done) = (fresh.end, complete.end);
+            unknowns.reduce_within(complete.clone(), internal);
+            let Some((rate, predicted)) = equations.inertia else {
+                let forces = [&*external, internal].map(|force| &force[complete.clone()]);
+                match sized {
+                    true => sums.add(
+                        forces,
+                        &mut scratch[complete.clone()],
+                        &weights[complete],
+                        unit,
+                    ),
+                    false => enlarge(&mut largest, forces),
+                }
+                return;
+            };
+            inertia[fresh.clone()].fill(R::zero());
+            let known = [predicted, moved].map(|known| &known[fresh.clone()]);
+            Accelerations { rate }.run(known, [&mut scratch[fresh]]);
+            structure.add_mass_times_of(part, R::one(), scratch, inertia);
+            unknowns.reduce_within(complete.clone(), inertia);
+            let forces = [&*external, internal, inertia].map(|force| &force[complete.clone()]);
+            match sized {
+                true => sums.add(
+                    forces,
+                    &mut scratch[complete.clone()],
+                    &weights[complete],
+                    unit,
+                ),
+                false => enlarge(&mut largest, forces),
+            }
+        });
+        if !sized {
+            let largest = largest.into_iter().fold(R::zero(), R::larger);
+            self.force = largest.where_else(open, self.force);
+            let unit = R::one() / self.unit();
+            let (residual, weights) = (&mut self.scratch[..], &self.weights[..]);
+            match equations.inertia {
+                Some(_) => {
+                    let forces = [&self.external[..], &self.internal, &self.inertia];
+                    sums.add(forces, residual, weights, unit);
+                }
+                None => sums.add(
+                    [&self.external[..], &self.internal],
+                    residual,
+                    weights,
+                    unit,
+                ),
+            }
+        }
+        Ok(sums.balance())
+    }
+
+    /// The external forces on the unknowns.
+    fn load<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        u: &[R],
+    ) -> Result<()> {
+        let q = &mut self.external;
+        q.fill(R::zero());
+        structure.add_external(equations.time, equations.factor, u, q)?;
         let rest = R::one() - equations.factor;
         match equations.rest {
             Rest::Nothing => {}
-            Rest::Permanent => {
-                structure.add_permanent(equations.time, rest, u, &mut self.external)?;
-            }
+            Rest::Permanent => structure.add_permanent(equations.time, rest, u, q)?,
             Rest::Start(internal) => {
-                for (q, internal) in self.external.iter_mut().zip(internal) {
+                for (q, internal) in q.iter_mut().zip(internal) {
                     *q += rest * *internal;
                 }
             }
         }
-        match equations.inertia {
-            Some((rate, predicted)) => {
-                self.inertia.fill(R::zero());
-                Accelerations { rate }.run([predicted, &self.moved], [&mut self.scratch]);
-                structure.add_mass_times(R::one(), &self.scratch, &mut self.inertia);
-                Ok(self.norms(structure, true))
-            }
-            None => Ok(self.norms(structure, false)),
-        }
-    }
-
-    /// Residual in `scratch` and the norms of `[external, internal, inertia]` and of their
-    /// balance, over what acts on the unknowns: what a support carries is no measure of the rest.
-    pub(super) fn norms<S: Structure<R> + ?Sized>(
-        &mut self,
-        structure: &S,
-        inertia: bool,
-    ) -> Balance<R> {
-        let unknowns = structure.unknowns();
-        unknowns.reduce(&mut self.external);
-        unknowns.reduce(&mut self.internal);
-        if inertia {
-            unknowns.reduce(&mut self.inertia);
-        }
-        let open = self.force.at_most(R::zero());
-        if open.any() {
-            let mut largest = R::zero();
-            for &i in unknowns.free() {
-                let inertia = if inertia { self.inertia[i] } else { R::zero() };
-                for force in [self.external[i], self.internal[i], inertia] {
-                    largest = largest.larger(force.abs());
-                }
-            }
-            self.force = largest.where_else(open, self.force);
-        }
-        let unit = R::one() / self.unit();
-        let (residual, weights) = (&mut self.scratch[..], &self.weights[..]);
-        let (residual, largest) = match inertia {
-            true => {
-                let forces = [&self.external[..], &self.internal, &self.inertia];
-                squares(forces, residual, weights, unit)
-            }
-            false => {
-                let forces = [&self.external[..], &self.internal];
-                squares(forces, residual, weights, unit)
-            }
-        };
-        // A state without any force is its own solution: avoid 0 / 0.
-        let scale = R::one().where_else(largest.at_most(R::zero()), largest);
-        Balance {
-            residual: norm(residual),
-            scale: norm(scale),
-        }
+        structure.unknowns().reduce(q);
+        self.loaded = true;
+        Ok(())
     }
 
     /// The force by which this solve measures others: squares of those on the smallest beams are no
@@ -133,7 +165,7 @@ impl<R: Real> Workspace<R> {
         sizes: &[R],
     ) -> Result<R> {
         let unknowns = structure.unknowns();
-        gather(unknowns, sizes, &mut self.unknown);
+        unknowns.gather(sizes, &mut self.unknown);
         let stored = self.tangent.stored();
         stored.abs_mul_vec(&self.unknown, &mut self.rounded)?;
         let measure = structure.measure();
@@ -141,7 +173,7 @@ impl<R: Real> Workspace<R> {
         if !multipliers.is_empty() {
             // Constraints are formed from positions, which are as large as the structure however
             // small its displacements.
-            gather(unknowns, measure, &mut self.unknown);
+            unknowns.gather(measure, &mut self.unknown);
             stored.abs_mul_vec(&self.unknown, &mut self.positions)?;
             for (q, rounded) in self.rounded.iter_mut().enumerate() {
                 if multipliers.contains(&unknowns.free()[q]) {
@@ -166,7 +198,8 @@ impl<R: Real> Workspace<R> {
     pub(crate) fn open<S: Structure<R> + ?Sized>(&mut self, structure: &S, u: &[R]) -> Result<f64> {
         let (free, multipliers) = (structure.unknowns().free(), structure.multipliers());
         let measure = structure.measure();
-        gather(structure.unknowns(), &self.scratch, &mut self.unknown);
+        let unknowns = structure.unknowns();
+        unknowns.gather(&self.scratch, &mut self.unknown);
         self.factor.solve(&mut self.unknown)?;
         let (mut change, mut moved) = (R::zero(), R::zero());
         for (x, &i) in self.unknown.iter().zip(free) {
@@ -192,50 +225,64 @@ elementwise! {
 /// that all of them round alike.
 pub(super) const PARTS: usize = 8;
 
-/// Overwrites the `residual`, the first force less the others; the square of its norm and the largest of
-/// those of the forces, in units and by weights.
-fn squares<R: Real, const N: usize>(
-    forces: [&[R]; N],
-    residual: &mut [R],
-    weights: &[R],
-    unit: R,
-) -> (R, R) {
-    let mut sums = Squares([R::zero(); PARTS], [[R::zero(); PARTS]; N]);
-    R::dispatch(Loops(
-        #[inline(always)]
-        || {
-            let count = residual.len();
-            let whole = count - count % PARTS;
-            for at in (0..whole).step_by(PARTS) {
-                let forces = array(|n| load(&forces[n][at..]));
-                let rest = sums.add(forces, &load(&weights[at..]), unit);
-                residual[at..at + PARTS].copy_from_slice(&rest);
-            }
-            let left = count - whole;
-            let mut last = [[R::zero(); PARTS]; N];
-            let mut weight = [R::zero(); PARTS];
-            for k in 0..left {
-                weight[k] = weights[whole + k];
-                for n in 0..N {
-                    last[n][k] = forces[n][whole + k];
+/// Partial sums of the squares of a residual and of the forces it is made of, by weights and in units.
+struct Squares<R>([R; PARTS], [[R; PARTS]; 3]);
+
+impl<R: Real> Squares<R> {
+    fn zero() -> Self {
+        Self([R::zero(); PARTS], [[R::zero(); PARTS]; 3])
+    }
+
+    /// The norms of the residual and of the largest force.
+    fn balance(self) -> Balance<R> {
+        let Squares(left, own) = self;
+        let sum = |parts: [R; PARTS]| parts.into_iter().sum::<R>();
+        let largest = own.map(sum).into_iter().fold(R::zero(), R::larger);
+        // A state without any force is its own solution: avoid 0 / 0.
+        let scale = R::one().where_else(largest.at_most(R::zero()), largest);
+        Balance {
+            residual: norm(sum(left)),
+            scale: norm(scale),
+        }
+    }
+
+    /// Overwrites the `residual`, the first force less the others, and adds the squares. The numbers of
+    /// all calls but the last fill their [`PARTS`].
+    fn add<const N: usize>(
+        &mut self,
+        forces: [&[R]; N],
+        residual: &mut [R],
+        weights: &[R],
+        unit: R,
+    ) {
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                let count = residual.len();
+                let whole = count - count % PARTS;
+                for at in (0..whole).step_by(PARTS) {
+                    let forces = array(|n| load(&forces[n][at..]));
+                    let rest = self.add_some::<N>(forces, &load(&weights[at..]), unit);
+                    residual[at..at + PARTS].copy_from_slice(&rest);
                 }
-            }
-            let rest = sums.add(last, &weight, unit);
-            residual[whole..].copy_from_slice(&rest[..left]);
-        },
-    ));
-    let Squares(left, own) = sums;
-    let sum = |parts: [R; PARTS]| parts.into_iter().sum::<R>();
-    let largest = own.map(sum).into_iter().fold(R::zero(), R::larger);
-    (sum(left), largest)
-}
+                let left = count - whole;
+                if left > 0 {
+                    let last = array(|n: usize| load_some(&forces[n][whole..]));
+                    let weights = load_some(&weights[whole..]);
+                    let rest = self.add_some::<N>(last, &weights, unit);
+                    residual[whole..].copy_from_slice(&rest[..left]);
+                }
+            },
+        ));
+    }
 
-/// Partial sums of the squares of a residual and of the forces it is made of.
-struct Squares<R, const N: usize>([R; PARTS], [[R; PARTS]; N]);
-
-impl<R: Real, const N: usize> Squares<R, N> {
     #[inline(always)]
-    fn add(&mut self, forces: [[R; PARTS]; N], weights: &[R; PARTS], unit: R) -> [R; PARTS] {
+    fn add_some<const N: usize>(
+        &mut self,
+        forces: [[R; PARTS]; N],
+        weights: &[R; PARTS],
+        unit: R,
+    ) -> [R; PARTS] {
         let mut rest = forces[0];
         for n in 1..N {
             for k in 0..PARTS {
@@ -255,6 +302,30 @@ impl<R: Real, const N: usize> Squares<R, N> {
         }
         rest
     }
+}
+
+/// Makes each of some numbers that of the largest force it meets.
+fn enlarge<R: Real, const N: usize>(largest: &mut [R; PARTS], forces: [&[R]; N]) {
+    R::dispatch(Loops(
+        #[inline(always)]
+        || {
+            for force in forces {
+                for some in force.chunks(PARTS) {
+                    for (largest, force) in largest.iter_mut().zip(some) {
+                        *largest = largest.larger(force.abs());
+                    }
+                }
+            }
+        },
+    ));
+}
+
+/// The numbers of a slice of less than [`PARTS`], and zeros.
+#[inline(always)]
+fn load_some<R: Real>(from: &[R]) -> [R; PARTS] {
+    let mut some = [R::zero(); PARTS];
+    some[..from.len()].copy_from_slice(from);
+    some
 }
 
 /// The first numbers of a slice.

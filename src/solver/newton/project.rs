@@ -29,6 +29,7 @@ impl<R: Real> Workspace<R> {
             rest: Rest::Nothing,
             inertia: Some((R::zero(), &state.acceleration)),
         };
+        self.loaded = false;
         self.balance(structure, &equations, &state.displacement)?;
         let multipliers = structure.multipliers();
         // Constraints turn with the motion, the mass alone never changes.
