@@ -87,9 +87,35 @@ where
     group.finish();
 }
 
+/// Numbers as many as the factors of a system, which go to memory and back as those of a step of two
+/// iterations do, without any work.
+struct Passing(Vec<f64>);
+
+impl Passing {
+    fn new<const D: usize>(system: &System<f64, D>) -> Self {
+        // Registers reach three numbers beyond the end of a column.
+        let column = |(j, reach): (usize, &usize)| reach + 1 - j + 3;
+        let columns = system.unknowns().profile().reach().iter().enumerate();
+        Self(vec![1.0; columns.map(column).sum()])
+    }
+
+    fn go(&mut self) {
+        for _ in 0..2 {
+            self.0.iter_mut().for_each(|x| *x *= 1.0 + 1e-9);
+            let mut sums = [0.0; 32];
+            for some in black_box(&self.0).rchunks_exact(sums.len()) {
+                for (sum, x) in sums.iter_mut().zip(some) {
+                    *sum += x;
+                }
+            }
+            black_box(sums);
+        }
+    }
+}
+
 /// Steps from rest of pendulums whose elements are all of the same length: every element has the same
 /// work to do, however many there are. By turns, the best of each: what others do on a machine, and to its
-/// memory, comes and goes within a run.
+/// memory, comes and goes within a run. Beside them what memory alone takes for the factors.
 fn sizes<const D: usize, const S: usize>(name: &str)
 where
     FullyParameterised: Element<D, S>,
@@ -99,9 +125,11 @@ where
     const TURNS: usize = 12;
     let systems = SIZES.map(|n| pendulum::<D, S>(Held::Pinned, 0.1 * n as f64, n));
     let method = Newmark::trapezoidal();
-    let mut best = [Duration::MAX; SIZES.len()];
+    let mut best = [[Duration::MAX; 2]; SIZES.len()];
     for _ in 0..TURNS {
         for (system, (n, best)) in systems.iter().zip(SIZES.iter().zip(&mut best)) {
+            let mut passing = Passing::new(system);
+            passing.go();
             // As many elements in every turn, within limits.
             for _ in 0..(16384 / n).clamp(1, 256) {
                 let run = Integration::start(system, system.rest(), &method);
@@ -113,18 +141,20 @@ where
                     run.until(5e-3, Stepping::Fixed(1e-3), |_| {})
                         .expect("four steps");
                 });
-                *best = four.min(*best);
+                let alone = spent(4, || passing.go());
+                *best = [four.min(best[0]), alone.min(best[1])];
             }
         }
     }
-    println!("{name}: us per step and element, and over that of 64");
-    let per_element = |k: usize| best[k].as_secs_f64() * 1e6 / (4 * SIZES[k]) as f64;
+    println!(
+        "{name}: us per step and element and over that of 64, and what factors take in memory alone"
+    );
+    let per_element =
+        |k: usize| best[k].map(|time| time.as_secs_f64() * 1e6 / (4 * SIZES[k]) as f64);
+    let [of_64, _] = per_element(2);
     for (k, n) in SIZES.iter().enumerate() {
-        println!(
-            "{n:6} {:6.3} {:5.2}",
-            per_element(k),
-            per_element(k) / per_element(2)
-        );
+        let [step, alone] = per_element(k);
+        println!("{n:6} {step:6.3} {:5.2} {alone:6.3}", step / of_64);
     }
 }
 

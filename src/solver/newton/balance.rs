@@ -1,6 +1,8 @@
 //! The balance of forces: its residual in the units of the structure, what rounding may leave of it
 //! and what that takes of the answer.
 
+use std::ops::Range;
+
 use super::{Assembled, Equations, Rest, Workspace};
 use crate::error::Result;
 use crate::scalar::{Elementwise, Loops, Real, elementwise};
@@ -27,9 +29,9 @@ impl<R: Real> Workspace<R> {
         if !self.loaded || structure.has_following() {
             self.load(structure, equations, u)?;
         }
-        let unknowns = structure.unknowns();
+        let (count, unknowns) = (u.len(), structure.unknowns());
         let open = self.force.at_most(R::zero());
-        let (sized, unit) = (!open.any(), R::one() / self.unit());
+        let mut norms = Norms::new((!open.any()).then(|| R::one() / self.unit()));
         let Self {
             external,
             internal,
@@ -39,29 +41,19 @@ impl<R: Real> Workspace<R> {
             weights,
             ..
         } = self;
-        let (mut sums, mut largest) = (Squares::zero(), [R::zero(); PARTS]);
         let (mut touched, mut done) = (0, 0);
         structure.each_part(&mut |part| {
             let fresh = touched..part.coordinates.end;
-            internal[fresh.clone()].fill(R::zero());
-            structure.add_internal_of(part, u, internal);
-            if part.complete == u.len() {
-                structure.add_holding(equations.time, u, internal);
-            }
             let complete = done..part.complete;
             (touched, done) = (fresh.end, complete.end);
+            internal[fresh.clone()].fill(R::zero());
+            structure.add_internal_of(part, u, internal);
+            if done == count {
+                structure.add_holding(equations.time, u, internal);
+            }
             unknowns.reduce_within(complete.clone(), internal);
             let Some((rate, predicted)) = equations.inertia else {
-                let forces = [&*external, internal].map(|force| &force[complete.clone()]);
-                match sized {
-                    true => sums.add(
-                        forces,
-                        &mut scratch[complete.clone()],
-                        &weights[complete],
-                        unit,
-                    ),
-                    false => enlarge(&mut largest, forces),
-                }
+                norms.take([external, internal], complete, scratch, weights);
                 return;
             };
             inertia[fresh.clone()].fill(R::zero());
@@ -69,36 +61,23 @@ impl<R: Real> Workspace<R> {
             Accelerations { rate }.run(known, [&mut scratch[fresh]]);
             structure.add_mass_times_of(part, R::one(), scratch, inertia);
             unknowns.reduce_within(complete.clone(), inertia);
-            let forces = [&*external, internal, inertia].map(|force| &force[complete.clone()]);
-            match sized {
-                true => sums.add(
-                    forces,
-                    &mut scratch[complete.clone()],
-                    &weights[complete],
-                    unit,
-                ),
-                false => enlarge(&mut largest, forces),
-            }
+            norms.take([external, internal, inertia], complete, scratch, weights);
         });
-        if !sized {
-            let largest = largest.into_iter().fold(R::zero(), R::larger);
+        if open.any() {
+            let largest = norms.largest.into_iter().fold(R::zero(), R::larger);
             self.force = largest.where_else(open, self.force);
-            let unit = R::one() / self.unit();
-            let (residual, weights) = (&mut self.scratch[..], &self.weights[..]);
+            norms.unit = Some(R::one() / self.unit());
+            let (scratch, weights) = (&mut self.scratch, &self.weights);
+            let (external, internal) = (&self.external, &self.internal);
             match equations.inertia {
                 Some(_) => {
-                    let forces = [&self.external[..], &self.internal, &self.inertia];
-                    sums.add(forces, residual, weights, unit);
+                    let forces = [external, internal, &self.inertia];
+                    norms.take(forces, 0..count, scratch, weights);
                 }
-                None => sums.add(
-                    [&self.external[..], &self.internal],
-                    residual,
-                    weights,
-                    unit,
-                ),
+                None => norms.take([external, internal], 0..count, scratch, weights),
             }
         }
-        Ok(sums.balance())
+        Ok(norms.balance())
     }
 
     /// The external forces on the unknowns.
@@ -225,29 +204,74 @@ elementwise! {
 /// that all of them round alike.
 pub(super) const PARTS: usize = 8;
 
-/// Partial sums of the squares of a residual and of the forces it is made of, by weights and in units.
-struct Squares<R>([R; PARTS], [[R; PARTS]; 3]);
+/// What the norms of a residual and of the forces it is made of are formed from, by parts of the forces.
+struct Norms<R> {
+    /// Reciprocal of the unit of forces; as long as there is none, the largest of them is looked for.
+    unit: Option<R>,
+    largest: [R; PARTS],
+    /// Partial sums of squares, by weights: of the residual, and of each force.
+    left: [R; PARTS],
+    own: [[R; PARTS]; 3],
+}
 
-impl<R: Real> Squares<R> {
-    fn zero() -> Self {
-        Self([R::zero(); PARTS], [[R::zero(); PARTS]; 3])
+impl<R: Real> Norms<R> {
+    fn new(unit: Option<R>) -> Self {
+        let zeros = [R::zero(); PARTS];
+        Self {
+            unit,
+            largest: zeros,
+            left: zeros,
+            own: [zeros; 3],
+        }
     }
 
-    /// The norms of the residual and of the largest force.
     fn balance(self) -> Balance<R> {
-        let Squares(left, own) = self;
         let sum = |parts: [R; PARTS]| parts.into_iter().sum::<R>();
-        let largest = own.map(sum).into_iter().fold(R::zero(), R::larger);
+        let largest = self.own.map(sum).into_iter().fold(R::zero(), R::larger);
         // A state without any force is its own solution: avoid 0 / 0.
         let scale = R::one().where_else(largest.at_most(R::zero()), largest);
         Balance {
-            residual: norm(sum(left)),
+            residual: norm(sum(self.left)),
             scale: norm(scale),
         }
     }
 
-    /// Overwrites the `residual`, the first force less the others, and adds the squares. The numbers of
-    /// all calls but the last fill their [`PARTS`].
+    /// Takes forces on some coordinates: with a unit, overwrites the `residual` there, the first force
+    /// less the others, and adds the squares; without, looks for the largest. Sums round as those of the
+    /// whole do where all parts but the last are multiples of [`PARTS`] long.
+    fn take<const N: usize>(
+        &mut self,
+        forces: [&Vec<R>; N],
+        within: Range<usize>,
+        residual: &mut [R],
+        weights: &[R],
+    ) {
+        let forces = forces.map(|force| &force[within.clone()]);
+        match self.unit {
+            Some(unit) => self.add(
+                forces,
+                &mut residual[within.clone()],
+                &weights[within],
+                unit,
+            ),
+            None => self.enlarge(forces),
+        }
+    }
+
+    fn enlarge<const N: usize>(&mut self, forces: [&[R]; N]) {
+        let largest = &mut self.largest;
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                for some in forces.iter().flat_map(|force| force.chunks(PARTS)) {
+                    for (largest, force) in largest.iter_mut().zip(some) {
+                        *largest = largest.larger(force.abs());
+                    }
+                }
+            },
+        ));
+    }
+
     fn add<const N: usize>(
         &mut self,
         forces: [&[R]; N],
@@ -292,32 +316,16 @@ impl<R: Real> Squares<R> {
         // Twice a factor, and not by their product, which leaves the range of singles.
         for k in 0..PARTS {
             let part = rest[k] * unit * weights[k];
-            self.0[k] += part * part;
+            self.left[k] += part * part;
         }
         for n in 0..N {
             for k in 0..PARTS {
                 let part = forces[n][k] * unit * weights[k];
-                self.1[n][k] += part * part;
+                self.own[n][k] += part * part;
             }
         }
         rest
     }
-}
-
-/// Makes each of some numbers that of the largest force it meets.
-fn enlarge<R: Real, const N: usize>(largest: &mut [R; PARTS], forces: [&[R]; N]) {
-    R::dispatch(Loops(
-        #[inline(always)]
-        || {
-            for force in forces {
-                for some in force.chunks(PARTS) {
-                    for (largest, force) in largest.iter_mut().zip(some) {
-                        *largest = largest.larger(force.abs());
-                    }
-                }
-            }
-        },
-    ));
 }
 
 /// The numbers of a slice of less than [`PARTS`], and zeros.
