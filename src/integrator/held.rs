@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::Result;
 use crate::scalar::Real;
-use crate::solver::{Matrix, Ready, Structure, Unknowns, each_gradient};
+use crate::solver::{Matrix, Part, Ready, Structure, Unknowns, each_gradient};
 
 /// Where a step's constraints act, `at` the time half way, and where they hold, the time `end`.
 #[derive(Debug, Clone, Copy)]
@@ -97,6 +97,18 @@ impl<R: Real, S: Structure<R>> Structure<R> for Middle<'_, R, S> {
     }
     fn add_internal(&self, u: &[R], q: &mut [R]) {
         self.structure.add_internal(u, q);
+    }
+    fn each_part(&self, each: &mut dyn FnMut(&Part)) {
+        self.structure.each_part(each);
+    }
+    fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
+        self.structure.add_internal_of(part, u, q);
+    }
+    fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
+        self.structure.add_mass_times_of(part, factor, a, out);
+    }
+    fn has_following(&self) -> bool {
+        self.structure.has_following()
     }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
         self.structure.add_external(time, factor, u, q)

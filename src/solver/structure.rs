@@ -39,9 +39,9 @@ pub type Ready<'a, R> = &'a mut dyn FnMut(&mut Matrix<R>, usize) -> Result<()>;
 /// A part of a structure whose forces are evaluated together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// Its elements; none for the whole structure.
+    /// Its elements, as the structure counts them; none for the whole structure.
     pub elements: Option<Range<usize>>,
-    /// The coordinates that its forces act on.
+    /// The coordinates that its forces depend on and act on.
     pub coordinates: Range<usize>,
     /// How many of the first coordinates no later part acts on.
     pub complete: usize,
@@ -129,21 +129,27 @@ pub trait Structure<R: Real> {
     /// Adds the internal forces `Q_s(u)`.
     fn add_internal(&self, u: &[R], q: &mut [R]);
 
-    /// Shows the parts that the structure's forces are evaluated in, each of which acts on coordinates
-    /// that follow those complete before it; together they act on all. So a long structure goes through
-    /// the caches once where several sums are formed side by side. By default it is one part, and
-    /// [`add_holding`](Self::add_holding) of one in several adds nothing.
+    /// Shows the parts that internal forces and inertia are evaluated in, one after the other: each
+    /// depends and acts on no coordinate that is complete before it, and the last completes all. So a
+    /// long structure goes through the caches once where several sums are formed side by side. By
+    /// default it is one part. A structure in several implements this,
+    /// [`add_internal_of`](Self::add_internal_of) and [`add_mass_times_of`](Self::add_mass_times_of), or
+    /// none of them. Where coordinates follow from others or are multipliers, forces are evaluated as a
+    /// whole, whatever is shown.
     fn each_part(&self, each: &mut dyn FnMut(&Part)) {
         each(&Part::whole(self.unknowns().coordinates()));
     }
 
-    /// Adds the internal forces of a part.
-    fn add_internal_of(&self, _part: &Part, u: &[R], q: &mut [R]) {
+    /// Adds the internal forces of a part that [`each_part`](Self::each_part) showed, or of the whole.
+    fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
+        debug_assert!(part.elements.is_none(), "parts have forces of their own");
         self.add_internal(u, q);
     }
 
-    /// Adds `factor * M a` of a part.
-    fn add_mass_times_of(&self, _part: &Part, factor: R, a: &[R], out: &mut [R]) {
+    /// Adds `factor * M a` of a part that [`each_part`](Self::each_part) showed, or of the whole. What
+    /// `a` holds at other coordinates than those of the part is not an acceleration.
+    fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
+        debug_assert!(part.elements.is_none(), "parts have inertia of their own");
         self.add_mass_times(factor, a, out);
     }
 

@@ -339,7 +339,7 @@ impl<R: Real> Unknowns<R> {
     }
 
     /// Whether unknowns are numbered as their coordinates are, and no coordinate follows others.
-    pub(crate) fn in_order(&self) -> bool {
+    pub(super) fn in_order(&self) -> bool {
         self.tables.ordered
     }
 

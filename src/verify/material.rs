@@ -80,10 +80,12 @@ pub fn material<R: Real, M: Material<R, D>, const D: usize>(material: &M) -> Rep
                 // Only the upper triangle of blocks is part of the contract.
                 row[..a].copy_from_slice(&contracted[a][..a]);
             }
-            if let Some(moduli) = material.constant_elasticity() {
-                let error = difference(&moduli.stress(&e), &s) / largest(&s);
-                constant = Some(most(constant.unwrap_or(0.0), error));
-            }
+            let error = match material.constant_elasticity() {
+                Some(moduli) => Some(difference(&moduli.stress(&e), &s) / largest(&s)),
+                // A type that promises moduli of all its materials.
+                None => M::CONSTANT.then_some(f64::INFINITY),
+            };
+            constant = error.map(|error| most(constant.unwrap_or(0.0), error));
             let top = largest(&c);
             for (w, error) in worst.iter_mut().zip([
                 difference(&s, &gradient) / largest(&gradient),

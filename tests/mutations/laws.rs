@@ -1,6 +1,6 @@
 //! Wrong sections and materials.
 
-use ancf::material::{Blocks, Tensor};
+use ancf::material::{Blocks, Moduli, Tensor};
 use ancf::prelude::*;
 use ancf::quadrature::Cubature;
 use ancf::section::Properties;
@@ -349,6 +349,34 @@ fn wrong_materials_are_caught() {
     assert_each_check_catches(&report(Slip::None), &wrong.map(report));
     let soft = verify::linear_elasticity::<f64, _, 3>(&rubber(), 2.0e7, 0.29).unwrap();
     assert_fails(&soft, &["elasticity at small strain"]);
+}
+
+/// A type of constant elasticity whose material has the moduli given: elements would be integrated with
+/// these, and its stress never be asked for.
+#[test]
+fn moduli_that_are_not_those_of_the_stress_are_caught() {
+    #[derive(Debug, Clone)]
+    struct Promised(Option<Moduli<f64, 3>>);
+    impl Material<f64, 3> for Promised {
+        const CONSTANT: bool = true;
+        fn energy<T: Algebra<f64>>(&self, e: &Tensor<T, 3>) -> T {
+            Material::<f64, 3>::energy(&rubber(), e)
+        }
+        fn constant_elasticity(&self) -> Option<Moduli<f64, 3>> {
+            self.0
+        }
+    }
+    let moduli = Material::<f64, 3>::constant_elasticity(&rubber());
+    let stiffer = moduli.map(|mut moduli| {
+        moduli.shear[0][1] *= 1.001;
+        moduli.shear[1][0] *= 1.001;
+        moduli
+    });
+    let report = |moduli| verify::material::<f64, _, 3>(&Promised(moduli));
+    report(moduli).into_result().unwrap();
+    for wrong in [stiffer, None] {
+        assert_fails(&report(wrong), &["constant elasticity against the stress"]);
+    }
 }
 
 /// A rule of a lower degree than the section was asked for would bend a beam too softly, or not at all:

@@ -17,7 +17,7 @@ pub(super) const SHARE: usize = 512;
 /// Elements whose tangents and factors the second cache holds.
 const PIECE: usize = 64;
 
-/// Elements of which it holds displacements, accelerations and forces.
+/// Elements of which it holds displacements, accelerations and forces, in numbers of eight bytes.
 const PART: usize = 256;
 
 /// What elements of a chain add, and what they add it to.
@@ -131,7 +131,8 @@ where
     pub(super) fn each_part(&self, each: &mut dyn FnMut(&Part)) {
         let count = self.starts.len();
         let size = match threads::<R>() {
-            1 => PART,
+            // A multiple of what registers hold.
+            1 => (PART * size_of::<f64>() / size_of::<R>()).next_multiple_of(32),
             threads => 2 * SHARE * threads,
         };
         for first in (0..count).step_by(size) {

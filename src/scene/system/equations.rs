@@ -157,17 +157,19 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
     }
 
     fn each_part(&self, each: &mut dyn FnMut(&Part)) {
-        match self.alone().filter(|_| self.unknowns.in_order()) {
+        match self.alone() {
             Some(body) => body.elastic().parts(each),
             None => each(&Part::whole(self.unknowns.coordinates())),
         }
     }
 
     fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
+        debug_assert!(part.elements.is_none() || self.alone().is_some());
         self.add_elastic(part.elements.as_ref(), u, q);
     }
 
     fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
+        debug_assert!(part.elements.is_none() || self.alone().is_some());
         self.add_inertia(part.elements.as_ref(), factor, a, out);
     }
 

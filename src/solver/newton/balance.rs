@@ -4,9 +4,9 @@
 use std::ops::Range;
 
 use super::{Assembled, Equations, Rest, Workspace};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scalar::{Elementwise, Loops, Real, elementwise};
-use crate::solver::Structure;
+use crate::solver::{Part, Structure};
 use crate::tensor::array;
 
 /// A force balance: the residual's norm and the largest norm among its parts, in units of the
@@ -42,13 +42,13 @@ impl<R: Real> Workspace<R> {
             ..
         } = self;
         let (mut touched, mut done) = (0, 0);
-        structure.each_part(&mut |part| {
-            let fresh = touched..part.coordinates.end;
+        let mut take = |part: &Part| {
+            let fresh = touched..part.coordinates.end.max(touched);
             let complete = done..part.complete;
             (touched, done) = (fresh.end, complete.end);
             internal[fresh.clone()].fill(R::zero());
             structure.add_internal_of(part, u, internal);
-            if done == count {
+            if part.elements.is_none() {
                 structure.add_holding(equations.time, u, internal);
             }
             unknowns.reduce_within(complete.clone(), internal);
@@ -62,7 +62,13 @@ impl<R: Real> Workspace<R> {
             structure.add_mass_times_of(part, R::one(), scratch, inertia);
             unknowns.reduce_within(complete.clone(), inertia);
             norms.take([external, internal, inertia], complete, scratch, weights);
-        });
+        };
+        // What follows or is held acts across parts.
+        match unknowns.in_order() && structure.multipliers().is_empty() {
+            true => structure.each_part(&mut take),
+            false => take(&Part::whole(count)),
+        }
+        Error::check_length("coordinates of all parts of a structure", done, count)?;
         if open.any() {
             let largest = norms.largest.into_iter().fold(R::zero(), R::larger);
             self.force = largest.where_else(open, self.force);
