@@ -15,9 +15,8 @@ use crate::solver::Tape;
 const NOISE: f64 = 4.0;
 
 /// Share of the largest entry of its column from which on a diagonal entry is the pivot. The smaller it is,
-/// the seldomer lanes part, and the more entries may grow, at most by 9 in a step: residuals of random
-/// matrices are below 11 rounding units with an eighth, and come to 34 with a thirty-second.
-const SHARE: f64 = 1.0 / 8.0;
+/// the seldomer lanes part, and the more entries may grow, at most by 33 in a step.
+const SHARE: f64 = 1.0 / 32.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Lu<R> {
