@@ -171,6 +171,24 @@ proptest! {
     }
 }
 
+/// Diagonals that are large enough for pivots, one by one, and let entries grow where all of them are taken.
+#[test]
+fn growing_entries_are_eliminated_by_other_pivots() {
+    for size in [15, 40, 70] {
+        let random = &mut Random(size as u64);
+        let profile = Profile::from_ranges(size, [0..size]).unwrap();
+        let mut matrix = general(&profile, random);
+        for i in 0..size {
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            matrix.add(i, i, sign / 16.0 - matrix.get(i, i)).unwrap();
+        }
+        let b = vector(size, random);
+        let (x, _) = solved(&matrix, false, &b);
+        let units = residual_in_units(&matrix, &x, b.as_slice());
+        assert!(units < 1.0, "{size} unknowns: {units} units");
+    }
+}
+
 #[test]
 fn indefinite_matrices_with_dominant_diagonal_keep_the_cheap_factorisation() {
     let random = &mut Random(7);

@@ -155,6 +155,9 @@ impl<R: Real, S: Structure<R>> Structure<R> for Way<'_, R, S> {
     fn add_internal(&self, u: &[R], q: &mut [R]) {
         self.structure.add_secant(self.viscosity, self.from, u, q);
     }
+    fn has_following(&self) -> bool {
+        self.structure.has_following()
+    }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
         self.meet(u);
         self.structure

@@ -52,7 +52,7 @@ use lu::Lu;
 /// coefficients are not large against their stiffness. The growth of the entries is watched:
 /// when they outgrow their row or a pivot drowns in rounding, the matrix is factorised afresh
 /// by equilibrated band LU with partial pivoting. General matrices always take LU, with the diagonal as
-/// pivot unless it is below a thirty-second of the largest entry of its column. Matrices that
+/// pivot unless it is below a thirty-second of the largest entry of its column or entries grow by that. Matrices that
 /// are stored sparse are factorised by blocks in an order of little fill, under the same watch.
 #[derive(Debug, Clone)]
 pub struct Factor<R> {

@@ -183,6 +183,9 @@ impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
             scratch.give(q, i, self.count());
         }
     }
+    fn has_following(&self) -> bool {
+        self.structure.has_following()
+    }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
         let mut scratch = self.scratch.borrow_mut();
         for (i, at) in self.tableau.at.iter().enumerate() {

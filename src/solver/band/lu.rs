@@ -18,6 +18,10 @@ const NOISE: f64 = 4.0;
 /// the seldomer lanes part, and the more entries may grow, at most by 33 in a step.
 const SHARE: f64 = 1.0 / 32.0;
 
+/// Pivots, of entries that were scaled to less than two, beyond which these have grown: the matrix is then
+/// eliminated again, with the largest entry of each column for pivot.
+const GROWN: f64 = 8.0;
+
 #[derive(Debug, Clone)]
 pub(super) struct Lu<R> {
     /// Row `i` holds the columns from `i - half` to `i + 2 half`: interchanges widen the upper
@@ -75,11 +79,19 @@ impl<R: Real> Lu<R> {
     }
 
     pub(super) fn factor(&mut self, profile: &Profile, matrix: &BandMatrix<R>) -> Result<()> {
-        R::dispatch(Elimination {
-            lu: self,
-            profile,
-            matrix,
-        })
+        let mut eliminate = |share: f64| {
+            R::dispatch(Elimination {
+                lu: self,
+                profile,
+                matrix,
+                share: R::lit(share),
+            })
+        };
+        // A symmetric matrix comes here where elimination without pivoting failed: no digit is given away.
+        if !matrix.is_symmetric() && eliminate(SHARE)?.at_most(R::lit(GROWN)).common() {
+            return Ok(());
+        }
+        eliminate(1.0).map(|_| ())
     }
 
     /// The row with the largest entry of column `j` among the rows up to `last`.
@@ -211,31 +223,32 @@ impl<R: Real> Lu<R> {
     }
 }
 
-/// Factorisation of a matrix.
+/// Factorisation of a matrix, with the diagonal for pivot from a share of its column on; tells the largest
+/// pivot.
 struct Elimination<'a, R> {
     lu: &'a mut Lu<R>,
     profile: &'a Profile,
     matrix: &'a BandMatrix<R>,
+    share: R,
 }
 
 impl<R: Real> LaneWork<R> for Elimination<'_, R> {
-    type Output = Result<()>;
+    type Output = Result<R>;
     const HEAVY: bool = true;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) -> Result<()> {
+    fn run<L: Lanes<R>>(self) -> Result<R> {
         let Self {
             lu,
             profile,
             matrix,
+            share,
         } = self;
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
         lu.fetch::<L>(profile, matrix)?;
         let (size, reach) = (profile.size(), profile.reach());
         let (width, half, stride) = (lu.width, lu.half, lu.half + overrun::<R>());
-        // A symmetric matrix comes here where elimination without pivoting failed: no digit is given away.
-        let share = R::lit(if matrix.is_symmetric() { 1.0 } else { SHARE });
-        let (mut end, mut seen) = (0, 0);
+        let (mut end, mut seen, mut top) = (0, 0, R::zero());
         lu.sign = R::one();
         for j in 0..size {
             let last = reach[j];
@@ -263,6 +276,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
             if pivot.abs().at_most(noise).common() {
                 return Err(lu.singular(j, last, chosen));
             }
+            top = top.larger(pivot.abs());
             end = end.max(reach[chosen]);
             // Every interchange turns the sign; the scales are positive.
             if chosen != j {
@@ -293,7 +307,7 @@ impl<R: Real> LaneWork<R> for Elimination<'_, R> {
                 add_multiple::<R, L>(-*multiplier, &pivot_row[1..], &mut row[1..], reached);
             }
         }
-        Ok(())
+        Ok(top)
     }
 }
 
