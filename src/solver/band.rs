@@ -43,8 +43,8 @@ use crate::scalar::Real;
 use ldlt::Ldlt;
 use lu::Lu;
 
-/// Factorisation of a [`BandMatrix`] or of a structure's [`Stored`] matrix, with workspace that is allocated once and used again for
-/// every matrix of the same profile.
+/// Factorisation of a [`BandMatrix`] or of a structure's [`Stored`] matrix, with workspace that is
+/// allocated once and used again for every matrix of the same profile.
 ///
 /// Symmetric matrices are factorised as `L D L^T` without pivoting, which keeps to the envelope
 /// and costs about a fifth of LU. Without pivoting this is stable for definite matrices and for
@@ -52,8 +52,9 @@ use lu::Lu;
 /// coefficients are not large against their stiffness. The growth of the entries is watched:
 /// when they outgrow their row or a pivot drowns in rounding, the matrix is factorised afresh
 /// by equilibrated band LU with partial pivoting. General matrices always take LU, with the diagonal as
-/// pivot unless it is below a thirty-second of the largest entry of its column or entries grow by that. Matrices that
-/// are stored sparse are factorised by blocks in an order of little fill, under the same watch.
+/// pivot unless it is below a thirty-second of the largest entry of its column or entries grow by that.
+/// Matrices that are stored sparse are factorised by blocks in an order of little fill, under the same
+/// watch.
 #[derive(Debug, Clone)]
 pub struct Factor<R> {
     profile: Profile,

@@ -188,7 +188,8 @@ impl Modes {
         let mut load = vec![R::zero(); unknowns.coordinates()];
         add_growing(structure, state.time, &state.displacement, &mut load)?;
         unknowns.reduce(&mut load);
-        let mut along: Vec<R> = unknowns.free().iter().map(|i| load[*i]).collect();
+        let mut along = vec![R::zero(); unknowns.count()];
+        unknowns.gather(&load, &mut along);
         inverse.factor.solve(&mut along)?;
         let along = spread(structure, &along);
         let size = natural(structure, &along);
@@ -430,10 +431,7 @@ impl<R: Real, S: Structure<R>> Whirling<'_, R, S> {
         let n = unknowns.count();
         let (u, s) = x.split_at(n);
         let (top, bottom) = y.split_at_mut(n);
-        for (u, i) in u.iter().zip(unknowns.free()) {
-            self.moved[*i] = *u;
-        }
-        unknowns.follow(&mut self.moved);
+        unknowns.spread(u, &mut self.moved);
         self.force.fill(R::zero());
         self.structure.add_gyroscopic(&self.moved, &mut self.force);
         unknowns.reduce(&mut self.force);
