@@ -498,6 +498,10 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
         } = self;
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
         let mut definite = true;
+        // Of what is assembled piece by piece, the next piece is fetched while this one is eliminated.
+        let piece = &ldlt.columns[ldlt.starts[ldlt.done]..ldlt.starts[lines]];
+        let next = (matrix.is_none() && ahead::far(&ldlt.columns) && !ahead::far(piece))
+            .then_some(lines - ldlt.done);
         while let Some(last) = reach.get(ldlt.done).copied().filter(|last| *last < lines) {
             let j = ldlt.done;
             // Columns are fetched just before their first use, while the cache still holds them.
@@ -512,6 +516,11 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
                 ldlt.seen += 1;
             }
             let count = usize::from(ldlt.counts[j]);
+            if let Some(next) = next
+                && let Some(soon) = ldlt.starts.get(j + next..=j + next + count)
+            {
+                ahead::fetch(&ldlt.columns[soon[0]..soon[count]]);
+            }
             loop {
                 let trusted = match count {
                     PANEL => ldlt.eliminate::<L, PANEL>(j, last, matrix, definite),

@@ -308,6 +308,8 @@ impl<R: Real> BandMatrix<R> {
 
     /// The lines before `end`, to be written by parts.
     pub(in crate::solver) fn lines(&mut self, end: usize) -> Lines<'_, R> {
+        let fresh = self.starts[self.written.min(end)]..self.starts[end];
+        let fetching = ahead::far(&self.data[fresh]);
         Lines {
             profile: &self.profile,
             symmetric: self.symmetric,
@@ -315,6 +317,7 @@ impl<R: Real> BandMatrix<R> {
             lines: 0..end,
             data: &mut self.data[..self.starts[end]],
             written: self.written,
+            fetching,
             whole: Some(&mut self.written),
         }
     }
@@ -459,6 +462,8 @@ pub(in crate::solver) struct Lines<'a, R: Real> {
     data: &'a mut [R],
     /// Lines from this one on are zero, whatever `data` holds.
     written: usize,
+    /// Whether lines further on are asked for. Smaller pieces are where those before are eliminated.
+    fetching: bool,
     /// What the matrix knows of that, if these are no part of others.
     whole: Option<&'a mut usize>,
 }
@@ -483,6 +488,7 @@ impl<R: Real> Lines<'_, R> {
             lines,
             data,
             written,
+            fetching: self.fetching,
             whole: None,
         };
         (
@@ -497,7 +503,7 @@ impl<R: Real> Lines<'_, R> {
         if line >= self.written {
             let start = self.starts[self.lines.start];
             let fresh = self.starts[self.written] - start..self.starts[line + 1] - start;
-            if ahead::far(self.data) {
+            if self.fetching {
                 let soon = fresh.end + ahead::BYTES / size_of::<R>();
                 if let Some(soon) = self.data.get(soon..soon + fresh.len()) {
                     ahead::fetch(soon);
