@@ -18,7 +18,7 @@ pub(super) const SHARE: usize = 512;
 const PIECE: usize = 64;
 
 /// Elements of which it holds displacements, accelerations and forces, in numbers of eight bytes.
-const PART: usize = 256;
+const PART: usize = 128;
 
 /// What elements of a chain add, and what they add it to.
 pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
