@@ -20,6 +20,14 @@ const PIECE: usize = 64;
 /// Elements of which it holds displacements, accelerations and forces, in numbers of eight bytes.
 const PART: usize = 128;
 
+/// The same in other numbers, some at least of the largest: a multiple of what registers hold.
+const fn part<R>() -> usize {
+    match PART * size_of::<f64>() / size_of::<R>() {
+        0 => 32,
+        some => some.next_multiple_of(32),
+    }
+}
+
 /// What elements of a chain add, and what they add it to.
 pub(super) trait Task<R: Real, const D: usize, const S: usize>: Sync {
     /// What the elements add to.
@@ -131,8 +139,7 @@ where
     pub(super) fn each_part(&self, each: &mut dyn FnMut(&Part)) {
         let count = self.starts.len();
         let size = match threads::<R>() {
-            // A multiple of what registers hold.
-            1 => (PART * size_of::<f64>() / size_of::<R>()).next_multiple_of(32),
+            1 => part::<R>(),
             threads => 2 * SHARE * threads,
         };
         for first in (0..count).step_by(size) {
@@ -261,4 +268,17 @@ fn join<R: Real, T: Send>(
     }
     debug_assert_eq!(threads::<R>(), 1, "threads come with a pool");
     (left(), right())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_hold_elements_whatever_the_numbers() {
+        assert_eq!(part::<f64>(), PART);
+        assert_eq!(part::<f32>(), 2 * PART);
+        // As dual numbers of a thousand directions are.
+        assert_eq!(part::<[f64; 1001]>(), 32);
+    }
 }

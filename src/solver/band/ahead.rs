@@ -1,6 +1,6 @@
 //! What is asked of memory before it is needed, where a matrix is larger than the caches. Processors
 //! follow long reads upwards by themselves, but not the way back through factors, and fresh lines late.
-//! They wait with what they work on as soon as some ten lines are on their way, hence a few lines at a
+//! They wait with what they work on as soon as some ten lines are on their way, hence no more at a
 //! time, between work that needs none.
 
 use crate::scalar::prefetch;

@@ -499,6 +499,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
         assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
         let mut definite = true;
         // Of what is assembled piece by piece, the next piece is fetched while this one is eliminated.
+        let lines = lines.max(ldlt.done);
         let piece = &ldlt.columns[ldlt.starts[ldlt.done]..ldlt.starts[lines]];
         let next = (matrix.is_none() && ahead::far(&ldlt.columns) && !ahead::far(piece))
             .then_some(lines - ldlt.done);
