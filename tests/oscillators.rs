@@ -3,6 +3,7 @@
 
 use ancf::prelude::*;
 use ancf::solver::{Matrix, Profile, Unknowns};
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 /// A mathematical pendulum as a structure of one unknown: `theta'' + sin theta = 0`.
@@ -317,4 +318,99 @@ fn observers_can_look_inside_a_step() {
     })
     .unwrap();
     assert!(quarter.unwrap().abs() < 1e-4, "{quarter:?}");
+}
+
+/// A mass of 1 kg on a spring of 1 N/m, in any number type, that counts how often its load is asked for.
+struct Loaded<R> {
+    unknowns: Unknowns<R>,
+    measure: Vec<R>,
+    load: fn(R) -> R,
+    steady: bool,
+    asked: Cell<usize>,
+}
+
+impl<R: Real> Structure<R> for Loaded<R> {
+    fn unknowns(&self) -> &Unknowns<R> {
+        &self.unknowns
+    }
+    fn symmetric(&self) -> bool {
+        true
+    }
+    fn measure(&self) -> &[R] {
+        &self.measure
+    }
+    fn add_internal(&self, u: &[R], q: &mut [R]) {
+        q[0] += u[0];
+    }
+    fn has_following(&self) -> bool {
+        false
+    }
+    fn is_steady(&self) -> bool {
+        self.steady
+    }
+    fn add_external(&self, time: R, factor: R, _: &[R], q: &mut [R]) -> Result<()> {
+        self.asked.set(self.asked.get() + 1);
+        q[0] += factor * (self.load)(time);
+        Ok(())
+    }
+    fn add_tangent(&self, _: R, _: R, _: &[R], k: &mut Matrix<R>) -> Result<()> {
+        k.add(0, 0, R::one())
+    }
+    fn has_mass(&self) -> bool {
+        true
+    }
+    fn add_mass_times(&self, factor: R, a: &[R], out: &mut [R]) {
+        out[0] += factor * a[0];
+    }
+    fn add_mass(&self, factor: R, k: &mut Matrix<R>) -> Result<()> {
+        k.add(0, 0, factor)
+    }
+}
+
+/// Displacement, of this natural size (m), after 20 steps of 0.1 s from rest, and how often the load was asked for.
+fn loaded<R: Real>(size: f64, load: fn(R) -> R, steady: bool) -> (R, usize) {
+    let structure = Loaded {
+        unknowns: Unknowns::all(Profile::from_ranges(1, [0..1]).unwrap()),
+        measure: vec![R::lit(size)],
+        load,
+        steady,
+        asked: Cell::new(0),
+    };
+    let rest = || vec![R::zero()];
+    let state = State {
+        time: R::zero(),
+        displacement: rest(),
+        velocity: rest(),
+        acceleration: rest(),
+        work: R::zero(),
+    };
+    let method = Newmark::trapezoidal();
+    let mut run = Integration::start(&structure, state, &method).unwrap();
+    for _ in 0..20 {
+        run.step(R::lit(0.1)).unwrap();
+    }
+    (run.state().displacement[0], structure.asked.get())
+}
+
+/// Loads that are said to be the same at all times are formed once, others step by step; the motion is
+/// the same to the last bit.
+#[test]
+fn steady_loads_are_formed_once() {
+    let (moved, asked) = loaded(1.0, |_| 2.0, true);
+    let (other, each_step) = loaded(1.0, |_| 2.0, false);
+    assert_eq!(moved, other);
+    assert_eq!(asked, 1);
+    assert!(each_step >= 20);
+    assert!((moved - 2.0 * (1.0 - 2.0_f64.cos())).abs() < 1e-2);
+}
+
+/// Forces are measured by one of about their size from step to step, and by another where they leap:
+/// their squares by the old one are no numbers of single precision.
+#[test]
+fn forces_may_leap_by_thirty_orders_of_magnitude() {
+    let (leap, _) = loaded(1e15, |t: f32| if t < 0.25 { 1e-15 } else { 1e15 }, false);
+    let (late, _) = loaded(1e15, |t: f32| if t < 0.25 { 0.0 } else { 1e15 }, false);
+    let (one, _) = loaded(1e15, |t: f32| if t < 0.25 { 0.0 } else { 1.0 }, false);
+    assert!(late > 1e15 && (leap / late - 1.0).abs() < 1e-5);
+    assert!((late / 1e15 / one - 1.0).abs() < 1e-5);
 }

@@ -88,11 +88,16 @@ fn of<T>(all: &[T], element: usize) -> &T {
     &all[element.min(all.len() - 1)]
 }
 
+/// The first coordinate of a part, or of all.
+fn first_of(part: Option<&Part>) -> usize {
+    part.map_or(0, |part| part.coordinates.start)
+}
+
 /// What the system asks of a body. Everything is added to what is given.
 pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn energy(&self, u: &[R]) -> R;
-    /// Internal forces of some elements, or of all.
-    fn force(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]);
+    /// Internal forces of a part, on its coordinates, or of all.
+    fn force(&self, part: Option<&Part>, u: &[R], q: &mut [R]);
     /// Shows the parts that forces are evaluated in; the body is the only one.
     fn parts(&self, each: &mut dyn FnMut(&Part));
     /// Tangent and, with a density, this share of the mass matrix; who is `ready` for it may be told on
@@ -108,9 +113,9 @@ pub(super) trait Elastic<R: Real, const D: usize>: Debug + Send + Sync {
     fn has_strain(&self) -> bool;
     fn secant(&self, viscosity: R, from: &[R], to: &[R], q: &mut [R]);
     fn secant_tangent(&self, viscosity: R, from: &[R], to: &[R], k: &mut Matrix<R>) -> Result<()>;
-    /// Adds `factor` times the mass matrix of some elements, or of all, times accelerations; nothing
-    /// without a density.
-    fn add_mass_times(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]);
+    /// Adds `factor` times the mass matrix of a part, or of all, times accelerations of its coordinates;
+    /// nothing without a density.
+    fn add_mass_times(&self, part: Option<&Part>, factor: R, a: &[R], out: &mut [R]);
     /// Mass matrix over nodal vectors and first moments; nothing without a density.
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()>;
     fn reference(&self, e: &mut [R]);
@@ -299,19 +304,19 @@ where
     }
 
     /// Calls `each` for groups of some elements that fill the lanes: with the elements, what links them
-    /// and their nodal vectors in each of `sources`. The last group is filled up by its last
+    /// and their nodal vectors in each of `sources`, which start at the coordinate `from`. The last group is filled up by its last
     /// element, so that all elements see the same arithmetic.
     #[inline(always)]
     fn groups<L: Lanes<R>, const N: usize>(
         &self,
         elements: Range<usize>,
-        sources: [&[R]; N],
+        (sources, from): ([&[R]; N], usize),
         mut each: impl FnMut(Range<usize>, &Link<R, D, S>, &[[[L; D]; S]; N]),
     ) {
         let mut columns = [[[L::zero(); D]; S]; N];
         for first in elements.clone().step_by(L::WIDTH) {
             let last = elements.end.min(first + L::WIDTH) - 1;
-            let start = |lane: usize| self.range(last.min(first + lane)).start;
+            let start = |lane: usize| self.range(last.min(first + lane)).start - from;
             for (columns, source) in columns.iter_mut().zip(sources) {
                 L::gather(source, start, columns.as_flattened_mut());
             }
@@ -332,13 +337,15 @@ where
         L::scatter(force.as_flattened(), q.numbers, start);
     }
 
-    /// Has a task for some elements, or for all, add to numbers of the system.
-    fn share_numbers<T>(&self, task: &T, elements: Option<&Range<usize>>, numbers: &mut [R])
+    /// Has a task for a part, or for all, add to numbers of its coordinates.
+    fn share_numbers<T>(&self, task: &T, part: Option<&Part>, numbers: &mut [R])
     where
         T: for<'o> Task<R, D, S, Out<'o> = Numbers<'o, R>>,
     {
-        let elements = elements.cloned().unwrap_or(0..self.starts.len());
-        let mut all = Numbers { first: 0, numbers };
+        let elements = part.and_then(|part| part.elements.clone());
+        let elements = elements.unwrap_or(0..self.starts.len());
+        let first = first_of(part);
+        let mut all = Numbers { first, numbers };
         // Nothing that adds to numbers can fail.
         let _ = self.share(task, elements, &mut all);
     }
@@ -360,8 +367,8 @@ where
         (0..self.starts.len()).map(energy).sum()
     }
 
-    fn force(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]) {
-        self.share_numbers(&Force { chain: self, u }, elements, q);
+    fn force(&self, part: Option<&Part>, u: &[R], q: &mut [R]) {
+        self.share_numbers(&Force { chain: self, u }, part, q);
     }
 
     fn parts(&self, each: &mut dyn FnMut(&Part)) {
@@ -401,9 +408,14 @@ where
         self.share_matrix(&task, k, None)
     }
 
-    fn add_mass_times(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
-        let chain = self;
-        self.share_numbers(&Acceleration { chain, factor, a }, elements, out);
+    fn add_mass_times(&self, part: Option<&Part>, factor: R, a: &[R], out: &mut [R]) {
+        let task = Acceleration {
+            chain: self,
+            factor,
+            a,
+            from: first_of(part),
+        };
+        self.share_numbers(&task, part, out);
     }
 
     fn inertia(&self, mass: &mut BandMatrix<R>, first: &mut [R]) -> Result<()> {

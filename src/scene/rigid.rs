@@ -221,7 +221,7 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
         R::zero()
     }
 
-    fn force(&self, _elements: Option<&Range<usize>>, _u: &[R], _q: &mut [R]) {}
+    fn force(&self, _part: Option<&Part>, _u: &[R], _q: &mut [R]) {}
 
     fn parts(&self, each: &mut dyn FnMut(&Part)) {
         each(&Part::whole(self.offset + self.vectors.len() * D));
@@ -258,7 +258,7 @@ impl<R: Real, const D: usize> Elastic<R, D> for Rigid<R, D> {
         Ok(())
     }
 
-    fn add_mass_times(&self, _elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
+    fn add_mass_times(&self, _part: Option<&Part>, factor: R, a: &[R], out: &mut [R]) {
         let range = self.offset..self.offset + self.vectors.len() * D;
         let rows = out[range.clone()].chunks_exact_mut(D).zip(&self.moments);
         for (out, moments) in rows {

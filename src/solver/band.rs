@@ -205,12 +205,21 @@ impl<R: Real> Factor<R> {
         }
     }
 
-    /// Keeps the factors of a matrix that is eliminated to the end, which is then clear, and has the
-    /// solution for the right-hand side read.
-    pub(super) fn keep(&mut self, matrix: &mut Stored<R>, read: Option<impl FnOnce(&[R])>) {
+    /// Keeps the factors of a matrix that is eliminated to the end, which is then clear.
+    pub(super) fn keep(&mut self, matrix: &mut Stored<R>) {
         if let (Some(ldlt), Some(matrix)) = (&mut self.ldlt, matrix.envelope()) {
-            ldlt.keep(matrix, read);
+            ldlt.keep(matrix);
             self.held = Held::Ldlt;
+        }
+    }
+
+    /// The solution for the right-hand side that went along with the factors [kept](Self::keep), from
+    /// `line` on: found from the last unknown down to there, so that what follows from a part of it can be
+    /// done while the caches hold it.
+    pub(super) fn back(&mut self, line: usize) -> &[R] {
+        match (self.held, &mut self.ldlt) {
+            (Held::Ldlt, Some(ldlt)) => ldlt.back(&self.profile, line),
+            _ => &[],
         }
     }
 

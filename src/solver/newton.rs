@@ -16,9 +16,8 @@ use super::structure::{add_growing, add_tangent_with, held};
 use super::unknowns::Unknowns;
 use super::{Structure, Tape};
 use crate::error::{Error, Result};
-use crate::scalar::{Loops, Mask, Real};
+use crate::scalar::{Mask, Real};
 use balance::Balance;
-use balance::PARTS;
 pub(crate) use balance::norm;
 pub(crate) use equations::{Changes, Choice, Equations, Rest};
 pub use settings::{Newton, Refresh, Solved};
@@ -76,16 +75,26 @@ pub(crate) struct Workspace<R> {
     current: bool,
     /// Whether the external forces of this solve are known.
     loaded: bool,
-    /// The largest force met first in this solve; zero as long as there was none.
+    /// The load factor of external forces that are those of other solves, too.
+    lasting: Option<R>,
+    /// A force of about the size of the largest met first in this solve, and whether that has been
+    /// looked at; zero as long as there was none.
     force: R,
+    measured: bool,
+    /// Whether what the last factorisation was made along with is still to be solved for backwards.
+    halfway: bool,
     /// Natural sizes of the coordinates over the largest; zero for those that are no unknowns.
     weights: Vec<R>,
     /// Reciprocals of the natural sizes of all coordinates; zero for multipliers, which have none: the
     /// residual tells about them.
     per_size: Vec<R>,
-    internal: Vec<R>,
     external: Vec<R>,
+    /// Internal forces, inertia and accelerations of a part of the structure, at the front: what lies
+    /// behind is never touched.
+    internal: Vec<R>,
     inertia: Vec<R>,
+    acceleration: Vec<R>,
+    /// The residual, or the changes that it brings.
     scratch: Vec<R>,
     /// What projects rates onto the constraints; nothing without constraints.
     projection: Option<(Matrix<R>, Factor<R>)>,
@@ -138,12 +147,16 @@ impl<R: Real> Workspace<R> {
             held_mass: false,
             current: false,
             loaded: false,
+            lasting: None,
             force: R::zero(),
+            measured: false,
+            halfway: false,
             weights,
             per_size: measure.iter().enumerate().map(per_size).collect(),
-            internal: zeros(),
             external: zeros(),
+            internal: zeros(),
             inertia: zeros(),
+            acceleration: zeros(),
             scratch: zeros(),
             projection: (!structure.multipliers().is_empty()).then(|| {
                 let matrix = Matrix::zero(unknowns, true);
@@ -169,9 +182,10 @@ impl<R: Real> Workspace<R> {
         self.current = self.factored;
     }
 
-    /// The tangent that the next solve starts with, to a tape or from it, where it is kept from
-    /// solve to solve.
+    /// The unit of forces and the tangent that the next solve starts with, to a tape or from it, the
+    /// latter where it is kept from solve to solve.
     pub(crate) fn history(&mut self, refresh: Refresh, tape: &mut Tape<R>) -> Result<()> {
+        tape.number(&mut self.force)?;
         let kept = matches!(refresh, Refresh::WhenSlow | Refresh::Never);
         let mut factored = kept && self.factored;
         tape.flag(&mut factored)?;
@@ -247,6 +261,7 @@ impl<R: Real> Workspace<R> {
         let mut current = std::mem::take(&mut self.current);
         let mut solved = Solved::default();
         let mut correction: Option<R> = None;
+        let mut correcting: Option<Mask> = None;
         let mut previous: Option<R> = None;
         let mut rises = R::zero();
         // Lanes that go on, and those that ended at the rounding floor. One that has converged is
@@ -254,7 +269,8 @@ impl<R: Real> Workspace<R> {
         let (mut open, mut floored) = (Mask::ALL, Mask::NONE);
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
-        (self.loaded, self.force) = (false, R::zero());
+        self.loaded = self.lasts(&equations);
+        (self.measured, self.halfway) = (false, false);
         self.assembled = Assembled::Nothing;
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
@@ -264,7 +280,8 @@ impl<R: Real> Workspace<R> {
             settings.line_search && choice.is_none() && structure.multipliers().is_empty();
         let mut work = R::zero();
         loop {
-            let mut balance = self.balance(structure, &equations, u)?;
+            let (mut balance, made) = self.balance(structure, &equations, correcting, u)?;
+            correction = made.or(correction);
             if searching && let Some(made) = &mut correction {
                 let share;
                 (balance, share) =
@@ -348,6 +365,7 @@ impl<R: Real> Workspace<R> {
             }
             current = false;
             if searching {
+                self.find_changes(structure.unknowns());
                 work = self.work_left(structure);
                 self.fixed.copy_from_slice(&self.scratch);
             }
@@ -358,13 +376,14 @@ impl<R: Real> Workspace<R> {
                 })?;
                 self.loaded = false;
             }
-            correction = Some(self.correct(open, u));
+            correcting = Some(open);
             solved.iterations += 1;
         }
     }
 
     fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
         self.forget();
+        self.force = R::zero();
         Error::Unconverged {
             reason,
             iterations: solved.iterations,
@@ -388,7 +407,8 @@ impl<R: Real> Workspace<R> {
     }
 
     /// Factorises the tangent at `u` and, where that is wanted, solves with it as
-    /// [`solve_linear`](Self::solve_linear) does.
+    /// [`solve_linear`](Self::solve_linear) does, or leaves half of the way for
+    /// [`find_changes`](Self::find_changes).
     fn renew<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
@@ -471,10 +491,18 @@ impl<R: Real> Workspace<R> {
         sound = sound && factors.advance(k.stored_mut(), unknowns.count())?;
         self.definite = sound;
         if sound {
-            let read = |x: &[R]| unknowns.spread(x, &mut self.scratch);
-            factors.keep(k.stored_mut(), solving.then_some(read));
+            factors.keep(k.stored_mut());
+            self.halfway = solving;
         }
         Ok(sound)
+    }
+
+    /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring where that
+    /// has been done half way.
+    fn find_changes(&mut self, unknowns: &Unknowns<R>) {
+        if std::mem::take(&mut self.halfway) {
+            unknowns.spread(self.factor.back(0), &mut self.scratch);
+        }
     }
 
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring.
@@ -492,6 +520,7 @@ impl<R: Real> Workspace<R> {
         choice: &mut Choice<'_, R>,
         u: &[R],
     ) -> Result<Option<R>> {
+        self.find_changes(structure.unknowns());
         self.fixed.clear();
         self.fixed.extend_from_slice(&self.scratch);
         self.scratch.fill(R::zero());
@@ -510,30 +539,6 @@ impl<R: Real> Workspace<R> {
             *load = *fixed + change * *load;
         }
         Ok(Some(change))
-    }
-
-    /// Applies the correction in `scratch` to the lanes that are `open` and returns its largest
-    /// component in natural sizes.
-    fn correct(&mut self, open: Mask, u: &mut [R]) -> R {
-        let mut largest = [R::zero(); PARTS];
-        let (moved, changes) = (&mut self.moved, &self.scratch);
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                let u = u.chunks_mut(PARTS).zip(moved.chunks_mut(PARTS));
-                let changes = changes.chunks(PARTS).zip(self.per_size.chunks(PARTS));
-                for ((u, moved), (changes, per_size)) in u.zip(changes) {
-                    let parts = u.iter_mut().zip(moved).zip(changes).zip(per_size);
-                    for ((((u, moved), du), per_size), largest) in parts.zip(&mut largest) {
-                        let du = du.where_else(open, R::zero());
-                        *u += du;
-                        *moved += du;
-                        *largest = largest.larger((du * *per_size).abs());
-                    }
-                }
-            },
-        ));
-        largest.into_iter().fold(R::zero(), R::larger)
     }
 }
 

@@ -43,7 +43,7 @@ pub struct Part {
     pub elements: Option<Range<usize>>,
     /// The coordinates that its forces depend on and act on.
     pub coordinates: Range<usize>,
-    /// How many of the first coordinates no later part acts on.
+    /// From which coordinate on no later part acts.
     pub complete: usize,
 }
 
@@ -54,7 +54,7 @@ impl Part {
         Self {
             elements: None,
             coordinates: 0..coordinates,
-            complete: coordinates,
+            complete: 0,
         }
     }
 }
@@ -129,10 +129,10 @@ pub trait Structure<R: Real> {
     /// Adds the internal forces `Q_s(u)`.
     fn add_internal(&self, u: &[R], q: &mut [R]);
 
-    /// Shows the parts that internal forces and inertia are evaluated in, one after the other: each
-    /// depends and acts on no coordinate that is complete before it, and the last completes all. So a
-    /// long structure goes through the caches once where several sums are formed side by side. By
-    /// default it is one part. A structure in several implements this,
+    /// Shows the parts that internal forces and inertia are evaluated in, from the last coordinates to
+    /// the first, as a linear system is solved backwards: each part depends and acts on no coordinate
+    /// that is complete before it, and the last one shown completes all. So a long structure goes
+    /// through the caches once where several sums are formed side by side. By default it is one part. A structure in several implements this,
     /// [`add_internal_of`](Self::add_internal_of) and [`add_mass_times_of`](Self::add_mass_times_of), or
     /// none of them. Where coordinates follow from others or are multipliers, forces are evaluated as a
     /// whole, whatever is shown.
@@ -140,14 +140,16 @@ pub trait Structure<R: Real> {
         each(&Part::whole(self.unknowns().coordinates()));
     }
 
-    /// Adds the internal forces of a part that [`each_part`](Self::each_part) showed, or of the whole.
+    /// Adds the internal forces of a part that [`each_part`](Self::each_part) showed, or of the whole, to
+    /// `q`, which starts at the first of the part's coordinates. What `u` holds before these is not the
+    /// state.
     fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
         debug_assert!(part.elements.is_none(), "parts have forces of their own");
         self.add_internal(u, q);
     }
 
-    /// Adds `factor * M a` of a part that [`each_part`](Self::each_part) showed, or of the whole. What
-    /// `a` holds at other coordinates than those of the part is not an acceleration.
+    /// Adds `factor * M a` of a part that [`each_part`](Self::each_part) showed, or of the whole; `a` and
+    /// `out` start at the first of the part's coordinates.
     fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
         debug_assert!(part.elements.is_none(), "parts have inertia of their own");
         self.add_mass_times(factor, a, out);
@@ -157,6 +159,12 @@ pub trait Structure<R: Real> {
     /// may.
     fn has_following(&self) -> bool {
         true
+    }
+
+    /// Whether external forces at a given load factor are the same at all times, so that they need not be
+    /// formed step by step; by default they may change.
+    fn is_steady(&self) -> bool {
+        false
     }
 
     /// Adds `factor * Q_e(t, u)`, all external forces; none by default.

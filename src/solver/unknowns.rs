@@ -261,20 +261,45 @@ impl<R: Real> Unknowns<R> {
 
     /// The unknowns among coordinates.
     pub(super) fn gather(&self, coordinates: &[R], unknowns: &mut [R]) {
-        self.each_run(|q, i| unknowns[q].copy_from_slice(&coordinates[i]));
+        let all = 0..self.count();
+        self.each_run(all, |q, i| unknowns[q].copy_from_slice(&coordinates[i]));
     }
 
     /// The coordinates that the unknowns make.
     pub(super) fn spread(&self, unknowns: &[R], coordinates: &mut [R]) {
-        self.each_run(|q, i| coordinates[i].copy_from_slice(&unknowns[q]));
+        let all = 0..self.count();
+        self.each_run(all, |q, i| coordinates[i].copy_from_slice(&unknowns[q]));
         self.follow(coordinates);
     }
 
-    /// Calls `each` with unknowns in a row and with the coordinates that they are.
-    fn each_run(&self, mut each: impl FnMut(Range<usize>, Range<usize>)) {
-        let mut q = 0;
-        while let Some(&i) = self.tables.free.get(q) {
-            let count = self.in_a_row(i);
+    /// [`spread`](Self::spread) for some of the coordinates, which are [`in_order`](Self::in_order), from
+    /// their unknowns on.
+    pub(super) fn spread_within(
+        &self,
+        within: Range<usize>,
+        unknowns: &[R],
+        coordinates: &mut [R],
+    ) {
+        let (first, end) = (self.before(within.start), self.before(within.end));
+        self.each_run(first..end, |q, i| {
+            coordinates[i].copy_from_slice(&unknowns[q.start - first..q.end - first]);
+        });
+        for follower in self.followers_within(within) {
+            coordinates[follower.coordinate] = R::zero();
+        }
+    }
+
+    /// How many of the unknowns come before a coordinate where all are [`in_order`](Self::in_order).
+    pub(super) fn before(&self, coordinate: usize) -> usize {
+        self.tables.free.partition_point(|i| *i < coordinate)
+    }
+
+    /// Calls `each` with some of the unknowns in a row and with the coordinates that they are.
+    fn each_run(&self, some: Range<usize>, mut each: impl FnMut(Range<usize>, Range<usize>)) {
+        let mut q = some.start;
+        while q < some.end {
+            let i = self.tables.free[q];
+            let count = self.in_a_row(i).min(some.end - q);
             each(q..q + count, i..i + count);
             q += count;
         }
@@ -283,20 +308,25 @@ impl<R: Real> Unknowns<R> {
     /// Generalised forces of the coordinates turned into those of the unknowns, `T^T Q`, in place:
     /// those of a follower go to what it follows and leave zero behind.
     pub fn reduce(&self, force: &mut [R]) {
-        self.reduce_within(0..self.coordinates(), force);
+        self.reduce_within(0..self.coordinates(), 0, force);
     }
 
-    /// [`reduce`](Self::reduce) for the followers among some coordinates.
-    pub(super) fn reduce_within(&self, coordinates: Range<usize>, force: &mut [R]) {
-        let followers = &self.tables.followers;
-        let before = |end: usize| followers.partition_point(|f| f.coordinate < end);
-        for follower in &followers[before(coordinates.start)..before(coordinates.end)] {
-            let q = force[follower.coordinate];
-            force[follower.coordinate] = R::zero();
+    /// [`reduce`](Self::reduce) for the followers among some coordinates, of forces that start at the
+    /// coordinate `first`.
+    pub(super) fn reduce_within(&self, coordinates: Range<usize>, first: usize, force: &mut [R]) {
+        for follower in self.followers_within(coordinates) {
+            let q = force[follower.coordinate - first];
+            force[follower.coordinate - first] = R::zero();
             for (i, a) in &follower.terms {
-                force[*i] += *a * q;
+                force[*i - first] += *a * q;
             }
         }
+    }
+
+    fn followers_within(&self, coordinates: Range<usize>) -> &[Follower<R>] {
+        let followers = &self.tables.followers;
+        let before = |end: usize| followers.partition_point(|f| f.coordinate < end);
+        &followers[before(coordinates.start)..before(coordinates.end)]
     }
 
     /// Makes changes of the followers those that the changes of the unknowns bring, in place.

@@ -18,7 +18,7 @@ pub(super) const SHARE: usize = 512;
 const PIECE: usize = 64;
 
 /// Elements of which it holds displacements, accelerations and forces, in numbers of eight bytes.
-const PART: usize = 128;
+const PART: usize = 512;
 
 /// The same in other numbers, some at least of the largest: a multiple of what registers hold.
 const fn part<R>() -> usize {
@@ -135,23 +135,19 @@ where
         Ok(())
     }
 
-    /// Shows all elements part by part, larger ones where threads share them.
+    /// Shows all elements part by part, from the last to the first, larger ones where threads share them.
     pub(super) fn each_part(&self, each: &mut dyn FnMut(&Part)) {
         let count = self.starts.len();
         let size = match threads::<R>() {
             1 => part::<R>(),
             threads => 2 * SHARE * threads,
         };
-        for first in (0..count).step_by(size) {
+        for first in (0..count).step_by(size).rev() {
             let next = count.min(first + size);
-            let coordinates = self.range(first).start..self.range(next - 1).end;
             each(&Part {
-                complete: match next == count {
-                    true => coordinates.end,
-                    false => self.range(next).start,
-                },
                 elements: Some(first..next),
-                coordinates,
+                coordinates: self.range(first).start..self.range(next - 1).end,
+                complete: first.checked_sub(1).map_or(0, |last| self.range(last).end),
             });
         }
     }

@@ -56,7 +56,7 @@ task!(Force, Numbers, false, |self, kernel, elements, q| {
     let chain = self.chain;
     chain.groups::<L, 1>(
         elements,
-        [self.u],
+        ([self.u], 0),
         #[inline(always)]
         |elements, _, [u]| {
             let mut force = [[L::zero(); D]; S];
@@ -67,11 +67,12 @@ task!(Force, Numbers, false, |self, kernel, elements, q| {
     Ok(())
 });
 
-/// Adds the mass matrices of a chain's elements times accelerations.
+/// Adds the mass matrices of a chain's elements times accelerations, which start at a coordinate.
 pub(super) struct Acceleration<'a, C, R> {
     pub(super) chain: &'a C,
     pub(super) factor: R,
     pub(super) a: &'a [R],
+    pub(super) from: usize,
 }
 
 task!(
@@ -82,7 +83,7 @@ task!(
         let chain = self.chain;
         chain.groups::<L, 1>(
             elements,
-            [self.a],
+            ([self.a], self.from),
             #[inline(always)]
             |elements, link, [a]| {
                 if link.masses.is_empty() {
@@ -116,7 +117,7 @@ task!(Stiffness, Sink, true, |self, kernel, elements, k| {
     let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
     chain.groups::<L, 1>(
         elements,
-        [self.u],
+        ([self.u], 0),
         #[inline(always)]
         |elements, link, [u]| {
             kernel.upper_tangent(u, &mut tangent);
@@ -152,7 +153,7 @@ task!(Secant, Numbers, true, |self, kernel, elements, q| {
     let chain = self.chain;
     chain.groups::<L, 2>(
         elements,
-        self.ends,
+        (self.ends, 0),
         #[inline(always)]
         |elements, _, [from, to]| {
             let mut force = [[L::zero(); D]; S];
@@ -176,7 +177,7 @@ task!(SecantStiffness, Sink, true, |self, kernel, elements, k| {
     let mut tangent: Tangent<L, D, S> = [[[[L::zero(); D]; S]; D]; S];
     chain.groups::<L, 2>(
         elements,
-        self.ends,
+        (self.ends, 0),
         #[inline(always)]
         |elements, _, [from, to]| {
             kernel.secant_tangent(self.viscosity, from, to, &mut tangent);

@@ -49,10 +49,10 @@ impl<R: Real, const D: usize> System<R, D> {
         }
     }
 
-    /// Internal forces of all elements, or of some of the only body's.
-    fn add_elastic(&self, elements: Option<&Range<usize>>, u: &[R], q: &mut [R]) {
+    /// Internal forces of all elements, or of a part.
+    fn add_elastic(&self, part: Option<&Part>, u: &[R], q: &mut [R]) {
         for body in &self.bodies {
-            body.elastic().force(elements, u, q);
+            body.elastic().force(part, u, q);
         }
         for link in &self.connectors {
             link.force(u, q);
@@ -60,12 +60,12 @@ impl<R: Real, const D: usize> System<R, D> {
     }
 
     /// The same of inertia.
-    fn add_inertia(&self, elements: Option<&Range<usize>>, factor: R, a: &[R], out: &mut [R]) {
+    fn add_inertia(&self, part: Option<&Part>, factor: R, a: &[R], out: &mut [R]) {
         if self.mass.is_none() {
             return;
         }
         for body in &self.bodies {
-            body.elastic().add_mass_times(elements, factor, a, out);
+            body.elastic().add_mass_times(part, factor, a, out);
         }
         for (vector, m) in &self.masses {
             for i in vector * D..(vector + 1) * D {
@@ -165,16 +165,20 @@ impl<R: Real, const D: usize> Structure<R> for System<R, D> {
 
     fn add_internal_of(&self, part: &Part, u: &[R], q: &mut [R]) {
         debug_assert!(part.elements.is_none() || self.alone().is_some());
-        self.add_elastic(part.elements.as_ref(), u, q);
+        self.add_elastic(Some(part), u, q);
     }
 
     fn add_mass_times_of(&self, part: &Part, factor: R, a: &[R], out: &mut [R]) {
         debug_assert!(part.elements.is_none() || self.alone().is_some());
-        self.add_inertia(part.elements.as_ref(), factor, a, out);
+        self.add_inertia(Some(part), factor, a, out);
     }
 
     fn has_following(&self) -> bool {
         self.loads.iter().any(NodalLoad::has_tangent)
+    }
+
+    fn is_steady(&self) -> bool {
+        self.loads.iter().all(|load| load.amplitude.is_none())
     }
 
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {

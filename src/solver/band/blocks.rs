@@ -35,19 +35,20 @@ pub(super) fn products<R: Real, L: Lanes<R>, const N: usize>(
     for n in 0..N {
         blocks[n] = &columns[n].as_chunks().0[..whole];
     }
-    for i in 0..whole {
+    // What was found last comes last: the rest is summed while that is awaited.
+    for (part, at) in (whole * SUMS..below).step_by(L::WIDTH).enumerate() {
+        let known = L::load(&x[at..]);
+        for n in 0..N {
+            sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
+        }
+    }
+    for i in (0..whole).rev() {
         for part in 0..SUMS / L::WIDTH {
             let known = L::load(&known[i][part * L::WIDTH..]);
             for n in 0..N {
                 let along = L::load(&blocks[n][i][part * L::WIDTH..]);
                 sums[n][part] = sums[n][part].plus_product(known, along);
             }
-        }
-    }
-    for (part, at) in (whole * SUMS..below).step_by(L::WIDTH).enumerate() {
-        let known = L::load(&x[at..]);
-        for n in 0..N {
-            sums[n][part] = sums[n][part].plus_product(known, L::load(&columns[n][at..]));
         }
     }
     for n in 0..N {

@@ -2,13 +2,16 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
-use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut, products};
+mod solution;
+
+use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut};
 use super::matrix::{column_starts, overrun};
 use super::pivots::Pivots;
 use super::{BandMatrix, Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{LaneWork, Lanes, Mask, Real};
 use crate::solver::Tape;
+use solution::Solution;
 
 /// Pivots eliminated together.
 const PANEL: usize = 4;
@@ -37,6 +40,8 @@ pub(super) struct Ldlt<R> {
     seen: usize,
     /// Whether a right-hand side is eliminated along with a matrix that is assembled.
     along: bool,
+    /// How many unknowns are still to be found from those behind them.
+    behind: usize,
     /// The matrix's diagonal, as far as columns were touched.
     diagonal: Vec<R>,
     /// Reciprocals of the pivots.
@@ -78,6 +83,7 @@ impl<R: Real> Ldlt<R> {
             done: 0,
             seen: 0,
             along: false,
+            behind: 0,
             diagonal: vec![R::zero(); size],
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
@@ -113,7 +119,8 @@ impl<R: Real> Ldlt<R> {
         self.begin(from.map(|x| |vector: &mut [R]| vector.copy_from_slice(x)));
         let stable = self.go_on(matrix.profile(), Some(matrix), self.inverse.len());
         if let (Some(x), Ok(true)) = (x, &stable) {
-            self.finish::<false>(matrix.profile(), |found| x.copy_from_slice(found));
+            self.behind = x.len();
+            x.copy_from_slice(self.back(matrix.profile(), 0));
         }
         stable
     }
@@ -141,7 +148,7 @@ impl<R: Real> Ldlt<R> {
     /// Begins to eliminate in a matrix, of which [`advance`](Self::advance) takes the lines as they come,
     /// along with a right-hand side if one is loaded.
     pub(super) fn begin(&mut self, load: Option<impl FnOnce(&mut [R])>) {
-        (self.done, self.seen) = (0, 0);
+        (self.done, self.seen, self.behind) = (0, 0, 0);
         self.negative = R::zero();
         self.along = load.is_some();
         if let Some(load) = load {
@@ -164,19 +171,26 @@ impl<R: Real> Ldlt<R> {
         sound
     }
 
-    /// Takes the storage of a matrix in which all is eliminated for that of the factors, and solves for
-    /// the right-hand side that went along where someone is to `read` it.
-    pub(super) fn keep(&mut self, matrix: &mut BandMatrix<R>, read: Option<impl FnOnce(&[R])>) {
+    /// Takes the storage of a matrix in which all is eliminated for that of the factors. For a right-hand
+    /// side that went along, the way [`back`](Self::back) is still to be gone.
+    pub(super) fn keep(&mut self, matrix: &mut BandMatrix<R>) {
         matrix.exchange(&mut self.columns);
         matrix.clear();
-        if let Some(read) = read {
-            self.finish::<false>(matrix.profile(), read);
+        if self.along {
+            self.behind = self.inverse.len();
         }
     }
 
     pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
         self.load(|own| own.copy_from_slice(x));
-        self.finish::<true>(profile, |found| x.copy_from_slice(found));
+        self.behind = x.len();
+        x.copy_from_slice(self.way::<true>(profile, 0));
+    }
+
+    /// Finds the unknowns from the last down to `line` at least, as far as they are not found yet: those
+    /// from `line` on are what comes back.
+    pub(super) fn back(&mut self, profile: &Profile, line: usize) -> &[R] {
+        self.way::<false>(profile, line)
     }
 
     /// Has a right-hand side written to where it is worked on.
@@ -187,16 +201,19 @@ impl<R: Real> Ldlt<R> {
         behind.fill(R::zero());
     }
 
-    /// Solves with elimination (`FORWARD`) or after it, and has the solution read.
-    fn finish<const FORWARD: bool>(&mut self, profile: &Profile, read: impl FnOnce(&[R])) {
-        let mut vector = std::mem::take(&mut self.vector);
-        R::dispatch(Solution::<_, FORWARD> {
-            ldlt: self,
-            reach: profile.reach(),
-            x: &mut vector,
-        });
-        self.vector = vector;
-        read(&self.vector[..self.inverse.len()]);
+    /// Solves down to a line, with elimination (`FORWARD`) or after it.
+    fn way<const FORWARD: bool>(&mut self, profile: &Profile, line: usize) -> &[R] {
+        if self.behind > line {
+            let mut vector = std::mem::take(&mut self.vector);
+            self.behind = R::dispatch(Solution::<_, FORWARD> {
+                ldlt: self,
+                reach: profile.reach(),
+                lines: line..self.behind,
+                x: &mut vector,
+            });
+            self.vector = vector;
+        }
+        &self.vector[line..self.inverse.len()]
     }
 
     /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
@@ -237,83 +254,6 @@ impl<R: Real> Ldlt<R> {
         }
         self.negative += negative;
         Ok(true)
-    }
-
-    /// Eliminates `P` unknowns from the right-hand side and divides them by their pivots.
-    #[inline(always)]
-    fn forward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (own, columns, below) = self.panel::<P>(j, last);
-        let mut known = [R::zero(); P];
-        for p in 0..P {
-            known[p] = x[j + p];
-            for q in 0..p {
-                known[p] -= own[q][p - q] * known[q];
-            }
-        }
-        let mut minus = [L::zero(); P];
-        for p in 0..P {
-            minus[p] = L::lift(-known[p]);
-        }
-        let reached = below + L::WIDTH - 1;
-        let count = reached / L::WIDTH;
-        let rest = first_blocks_mut::<R, L>(&mut x[j + P..], count);
-        let mut blocks: [&[L::Block]; P] = [&[]; P];
-        for p in 0..P {
-            blocks[p] = first_blocks::<R, L>(columns[p], count);
-        }
-        for i in 0..count {
-            let mut sum = L::load(rest[i].as_ref());
-            for p in 0..P {
-                sum = sum.plus_product(L::load(blocks[p][i].as_ref()), minus[p]);
-            }
-            sum.store(rest[i].as_mut());
-        }
-        for p in 0..P {
-            x[j + p] = known[p] * self.inverse[j + p];
-        }
-    }
-
-    /// Finds `P` unknowns from those behind them.
-    #[inline(always)]
-    fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (own, columns, below) = self.panel::<P>(j, last);
-        let (x, behind) = x.split_at_mut(j + P);
-        let mut parts = [[R::zero(); SUMS]; P];
-        // As many columns at a time as there are registers for their sums.
-        match (L::WIDTH, P) {
-            (1, PANEL) => {
-                for (columns, parts) in columns.chunks(2).zip(parts.chunks_mut(2)) {
-                    products::<R, L, 2>(columns, behind, below, parts);
-                }
-            }
-            _ => products::<R, L, P>(&columns, behind, below, &mut parts),
-        }
-        for p in (0..P).rev() {
-            let mut value = x[j + p];
-            for sum in parts[p] {
-                value -= sum;
-            }
-            for q in p + 1..P {
-                value -= own[p][q - p] * x[j + q];
-            }
-            x[j + p] = value;
-        }
-    }
-
-    /// The columns of the unknowns `j..j + P`, each from its diagonal down and all as long from the
-    /// first row below them on, and the number of rows up to `last`.
-    #[inline(always)]
-    fn panel<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], [&[R]; P], usize) {
-        let below = last + 1 - (j + P);
-        let starts = &self.starts[j..j + P];
-        let reached = below + overrun::<R>();
-        let (mut own, mut columns): ([&[R]; P], [&[R]; P]) = ([&[]; P], [&[]; P]);
-        for p in 0..P {
-            let column = &self.columns[starts[p]..];
-            let (above, rest) = column.split_at(P - p);
-            (own[p], columns[p]) = (above, &rest[..reached]);
-        }
-        (own, columns, below)
     }
 
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
@@ -545,45 +485,5 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
             ldlt.done += count;
         }
         Ok(true)
-    }
-}
-
-/// Solution by the factors, after elimination from the right-hand side or with it (`FORWARD`).
-struct Solution<'a, R, const FORWARD: bool> {
-    ldlt: &'a Ldlt<R>,
-    reach: &'a [usize],
-    x: &'a mut [R],
-}
-
-impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
-    type Output = ();
-    const HEAVY: bool = true;
-
-    #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let Self { ldlt, reach, x } = self;
-        let mut j = if FORWARD { 0 } else { reach.len() };
-        while j < reach.len() {
-            let count = usize::from(ldlt.counts[j]);
-            match count {
-                PANEL => ldlt.forward::<L, PANEL>(j, reach[j], x),
-                2 => ldlt.forward::<L, 2>(j, reach[j], x),
-                _ => ldlt.forward::<L, 1>(j, reach[j], x),
-            }
-            j += count;
-        }
-        let far = ahead::far(&ldlt.columns);
-        while j > 0 {
-            let count = usize::from(ldlt.counts[j - 1]);
-            j -= count;
-            if far && let Some(soon) = j.checked_sub(ahead::COLUMNS) {
-                ahead::fetch(&ldlt.columns[ldlt.starts[soon]..ldlt.starts[soon + count]]);
-            }
-            match count {
-                PANEL => ldlt.backward::<L, PANEL>(j, reach[j], x),
-                2 => ldlt.backward::<L, 2>(j, reach[j], x),
-                _ => ldlt.backward::<L, 1>(j, reach[j], x),
-            }
-        }
     }
 }

@@ -1,11 +1,9 @@
 //! The balance of forces: its residual in the units of the structure, what rounding may leave of it
 //! and what that takes of the answer.
 
-use std::ops::Range;
-
 use super::{Assembled, Equations, Rest, Workspace};
 use crate::error::{Error, Result};
-use crate::scalar::{Elementwise, Loops, Real, elementwise};
+use crate::scalar::{Elementwise, Loops, Mask, Real, elementwise};
 use crate::solver::{Part, Structure};
 use crate::tensor::array;
 
@@ -17,73 +15,133 @@ pub(super) struct Balance<R> {
 }
 
 impl<R: Real> Workspace<R> {
-    /// Residual `Q_e - Q_s - M a` in `scratch`, its norm and that of the largest force, over what acts on
-    /// the unknowns: what a support carries is no measure of the rest. Formed part by part, while the
-    /// caches hold it.
+    /// Makes the correction in `scratch`, where one is due, in the lanes that are to be corrected. Then
+    /// the residual `Q_e - Q_s - M a` comes to `scratch`, its norm and that of the largest force, over
+    /// what acts on the unknowns: what a support carries is no measure of the rest. Both are formed part
+    /// by part, from the last, while the caches hold what the way back through the factors finds. Returns
+    /// the largest change that the correction made, too, in natural sizes.
     pub(super) fn balance<S: Structure<R> + ?Sized>(
         &mut self,
         structure: &S,
         equations: &Equations<'_, R>,
-        u: &[R],
-    ) -> Result<Balance<R>> {
-        if !self.loaded || structure.has_following() {
+        correcting: Option<Mask>,
+        u: &mut [R],
+    ) -> Result<(Balance<R>, Option<R>)> {
+        let unknowns = structure.unknowns();
+        // What follows or is held acts across parts, and so do loads that are wanted whole.
+        let by_parts = unknowns.in_order() && structure.multipliers().is_empty();
+        let following = structure.has_following();
+        let mut correction = correcting.map(Correction::of);
+        let mut due = correction.as_mut();
+        if (following || !by_parts)
+            && let Some(correction) = due.take()
+        {
+            self.find_changes(unknowns);
+            let changes = [&self.scratch[..], &self.per_size];
+            correction.make([u, &mut self.moved], changes);
+        }
+        if !self.loaded || following {
             self.load(structure, equations, u)?;
         }
+        let mut norms = self.sum(structure, equations, due, by_parts, u)?;
+        // The unit stays for all of a solve that starts from some force, and from solve to solve as long
+        // as squares by it are numbers.
+        let (force, now) = (self.force, norms.largest());
+        let mut stays = now.at_most(force * R::lit(FAR)) & force.at_most(now * R::lit(FAR));
+        if self.measured {
+            stays |= !force.at_most(R::zero());
+        }
+        self.measured = true;
+        if !stays.all() {
+            self.force = force.where_else(stays, now);
+            norms = self.sum(structure, equations, None, by_parts, u)?;
+        }
+        Ok((norms.balance(), correction.map(|made| made.size())))
+    }
+
+    /// Goes through all parts: makes the correction that is due, and sums forces.
+    fn sum<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        equations: &Equations<'_, R>,
+        mut due: Option<&mut Correction<R>>,
+        by_parts: bool,
+        u: &mut [R],
+    ) -> Result<Norms<R>> {
         let (count, unknowns) = (u.len(), structure.unknowns());
-        let open = self.force.at_most(R::zero());
-        let mut norms = Norms::new((!open.any()).then(|| R::one() / self.unit()));
+        let mut norms = Norms::new(R::one() / self.unit());
+        let halfway = std::mem::take(&mut self.halfway);
         let Self {
             external,
             internal,
             inertia,
+            acceleration,
             scratch,
+            factor,
             moved,
             weights,
+            per_size,
             ..
         } = self;
-        let (mut touched, mut done) = (0, 0);
+        // Coordinates from `first` on have been met, from `done` on they are complete.
+        let (mut first, mut done) = (count, count);
         let mut take = |part: &Part| {
-            let fresh = touched..part.coordinates.end.max(touched);
-            let complete = done..part.complete;
-            (touched, done) = (fresh.end, complete.end);
-            internal[fresh.clone()].fill(R::zero());
-            structure.add_internal_of(part, u, internal);
+            let fresh = part.coordinates.start.min(first)..first;
+            if let Some(correction) = &mut due {
+                if halfway {
+                    let found = factor.back(unknowns.before(fresh.start));
+                    unknowns.spread_within(fresh.clone(), found, scratch);
+                }
+                let changes = [&scratch[fresh.clone()], &per_size[fresh.clone()]];
+                let changed = [&mut u[fresh.clone()], &mut moved[fresh.clone()]];
+                correction.make(changed, changes);
+            }
+            // Whole blocks, so that sums round as those of the whole do.
+            let least = part.complete.next_multiple_of(PARTS);
+            let complete = least.max(fresh.start).min(done)..done;
+            let (window, begun) = (fresh.start..done, done - first);
+            let open = |forces: &mut [R]| {
+                forces.copy_within(..begun, fresh.len());
+                forces[..fresh.len()].fill(R::zero());
+            };
+            (first, done) = (window.start, complete.start);
+            let sums = complete.start - window.start..complete.end - window.start;
+            let known = &external[complete.clone()];
+            let (residual, weights) = (&mut scratch[complete.clone()], &weights[complete.clone()]);
+            open(internal);
+            structure.add_internal_of(part, u, &mut internal[..window.len()]);
             if part.elements.is_none() {
                 structure.add_holding(equations.time, u, internal);
             }
-            unknowns.reduce_within(complete.clone(), internal);
+            unknowns.reduce_within(complete.clone(), window.start, internal);
             let Some((rate, predicted)) = equations.inertia else {
-                norms.take([external, internal], complete, scratch, weights);
+                norms.take([known, &internal[sums]], residual, weights);
                 return;
             };
-            inertia[fresh.clone()].fill(R::zero());
-            let known = [predicted, moved].map(|known| &known[fresh.clone()]);
-            Accelerations { rate }.run(known, [&mut scratch[fresh]]);
-            structure.add_mass_times_of(part, R::one(), scratch, inertia);
-            unknowns.reduce_within(complete.clone(), inertia);
-            norms.take([external, internal, inertia], complete, scratch, weights);
+            open(inertia);
+            let own = part.coordinates.clone();
+            let a = &mut acceleration[..own.len()];
+            Accelerations { rate }.run([&predicted[own.clone()], &moved[own]], [&mut *a]);
+            structure.add_mass_times_of(part, R::one(), a, &mut inertia[..window.len()]);
+            unknowns.reduce_within(complete, window.start, inertia);
+            let forces = [known, &internal[sums.clone()], &inertia[sums]];
+            norms.take(forces, residual, weights);
         };
-        // What follows or is held acts across parts.
-        match unknowns.in_order() && structure.multipliers().is_empty() {
+        match by_parts {
             true => structure.each_part(&mut take),
             false => take(&Part::whole(count)),
         }
-        Error::check_length("coordinates of all parts of a structure", done, count)?;
-        if open.any() {
-            let largest = norms.largest.into_iter().fold(R::zero(), R::larger);
-            self.force = largest.where_else(open, self.force);
-            norms.unit = Some(R::one() / self.unit());
-            let (scratch, weights) = (&mut self.scratch, &self.weights);
-            let (external, internal) = (&self.external, &self.internal);
-            match equations.inertia {
-                Some(_) => {
-                    let forces = [external, internal, &self.inertia];
-                    norms.take(forces, 0..count, scratch, weights);
-                }
-                None => norms.take([external, internal], 0..count, scratch, weights),
-            }
-        }
-        Ok(norms.balance())
+        Error::check_length(
+            "coordinates of all parts of a structure",
+            count - done,
+            count,
+        )?;
+        Ok(norms)
+    }
+
+    /// Whether the external forces are known from a solve before.
+    pub(super) fn lasts(&self, equations: &Equations<'_, R>) -> bool {
+        matches!(equations.rest, Rest::Nothing) && self.lasting == Some(equations.factor)
     }
 
     /// The external forces on the unknowns.
@@ -108,6 +166,8 @@ impl<R: Real> Workspace<R> {
         }
         structure.unknowns().reduce(q);
         self.loaded = true;
+        let lasting = structure.is_steady() && matches!(equations.rest, Rest::Nothing);
+        self.lasting = lasting.then_some(equations.factor);
         Ok(())
     }
 
@@ -210,10 +270,53 @@ elementwise! {
 /// that all of them round alike.
 pub(super) const PARTS: usize = 8;
 
+/// Times that the largest force may be off the unit of forces, either way: squares by it are numbers
+/// of single precision yet.
+const FAR: f64 = 1024.0;
+
+/// A correction of the lanes that are open, and its largest components in natural sizes.
+struct Correction<R> {
+    open: Mask,
+    largest: [R; PARTS],
+}
+
+impl<R: Real> Correction<R> {
+    fn of(open: Mask) -> Self {
+        let largest = [R::zero(); PARTS];
+        Self { open, largest }
+    }
+
+    /// Adds changes to some coordinates and to what these have moved.
+    fn make(&mut self, [u, moved]: [&mut [R]; 2], [changes, per_size]: [&[R]; 2]) {
+        let Self { open, largest } = self;
+        R::dispatch(Loops(
+            #[inline(always)]
+            || {
+                let u = u.chunks_mut(PARTS).zip(moved.chunks_mut(PARTS));
+                let changes = changes.chunks(PARTS).zip(per_size.chunks(PARTS));
+                for ((u, moved), (changes, per_size)) in u.zip(changes) {
+                    let parts = u.iter_mut().zip(moved).zip(changes).zip(per_size);
+                    for ((((u, moved), du), per_size), largest) in parts.zip(&mut *largest) {
+                        let du = du.where_else(*open, R::zero());
+                        *u += du;
+                        *moved += du;
+                        *largest = largest.larger((du * *per_size).abs());
+                    }
+                }
+            },
+        ));
+    }
+
+    fn size(&self) -> R {
+        self.largest.into_iter().fold(R::zero(), R::larger)
+    }
+}
+
 /// What the norms of a residual and of the forces it is made of are formed from, by parts of the forces.
 struct Norms<R> {
-    /// Reciprocal of the unit of forces; as long as there is none, the largest of them is looked for.
-    unit: Option<R>,
+    /// Reciprocal of the unit of forces.
+    unit: R,
+    /// The largest of the forces.
     largest: [R; PARTS],
     /// Partial sums of squares, by weights: of the residual, and of each force.
     left: [R; PARTS],
@@ -221,7 +324,7 @@ struct Norms<R> {
 }
 
 impl<R: Real> Norms<R> {
-    fn new(unit: Option<R>) -> Self {
+    fn new(unit: R) -> Self {
         let zeros = [R::zero(); PARTS];
         Self {
             unit,
@@ -229,6 +332,10 @@ impl<R: Real> Norms<R> {
             left: zeros,
             own: [zeros; 3],
         }
+    }
+
+    fn largest(&self) -> R {
+        self.largest.into_iter().fold(R::zero(), R::larger)
     }
 
     fn balance(self) -> Balance<R> {
@@ -242,65 +349,25 @@ impl<R: Real> Norms<R> {
         }
     }
 
-    /// Takes forces on some coordinates: with a unit, overwrites the `residual` there, the first force
-    /// less the others, and adds the squares; without, looks for the largest. Sums round as those of the
-    /// whole do where all parts but the last are multiples of [`PARTS`] long.
-    fn take<const N: usize>(
-        &mut self,
-        forces: [&Vec<R>; N],
-        within: Range<usize>,
-        residual: &mut [R],
-        weights: &[R],
-    ) {
-        let forces = forces.map(|force| &force[within.clone()]);
-        match self.unit {
-            Some(unit) => self.add(
-                forces,
-                &mut residual[within.clone()],
-                &weights[within],
-                unit,
-            ),
-            None => self.enlarge(forces),
-        }
-    }
-
-    fn enlarge<const N: usize>(&mut self, forces: [&[R]; N]) {
-        let largest = &mut self.largest;
-        R::dispatch(Loops(
-            #[inline(always)]
-            || {
-                for some in forces.iter().flat_map(|force| force.chunks(PARTS)) {
-                    for (largest, force) in largest.iter_mut().zip(some) {
-                        *largest = largest.larger(force.abs());
-                    }
-                }
-            },
-        ));
-    }
-
-    fn add<const N: usize>(
-        &mut self,
-        forces: [&[R]; N],
-        residual: &mut [R],
-        weights: &[R],
-        unit: R,
-    ) {
+    /// Takes forces on some coordinates: overwrites the `residual` there, the first force less the
+    /// others, and adds the squares. From the last block to the first, as parts come: sums round as those
+    /// of the whole do where all parts but the last coordinates' are multiples of [`PARTS`] long.
+    fn take<const N: usize>(&mut self, forces: [&[R]; N], residual: &mut [R], weights: &[R]) {
         R::dispatch(Loops(
             #[inline(always)]
             || {
                 let count = residual.len();
                 let whole = count - count % PARTS;
-                for at in (0..whole).step_by(PARTS) {
-                    let forces = array(|n| load(&forces[n][at..]));
-                    let rest = self.add_some::<N>(forces, &load(&weights[at..]), unit);
-                    residual[at..at + PARTS].copy_from_slice(&rest);
-                }
-                let left = count - whole;
-                if left > 0 {
+                if whole < count {
                     let last = array(|n: usize| load_some(&forces[n][whole..]));
                     let weights = load_some(&weights[whole..]);
-                    let rest = self.add_some::<N>(last, &weights, unit);
-                    residual[whole..].copy_from_slice(&rest[..left]);
+                    let rest = self.add_some::<N>(last, &weights);
+                    residual[whole..].copy_from_slice(&rest[..count - whole]);
+                }
+                for at in (0..whole).step_by(PARTS).rev() {
+                    let forces = array(|n| load(&forces[n][at..]));
+                    let rest = self.add_some::<N>(forces, &load(&weights[at..]));
+                    residual[at..at + PARTS].copy_from_slice(&rest);
                 }
             },
         ));
@@ -311,8 +378,8 @@ impl<R: Real> Norms<R> {
         &mut self,
         forces: [[R; PARTS]; N],
         weights: &[R; PARTS],
-        unit: R,
     ) -> [R; PARTS] {
+        let unit = self.unit;
         let mut rest = forces[0];
         for n in 1..N {
             for k in 0..PARTS {
@@ -328,6 +395,7 @@ impl<R: Real> Norms<R> {
             for k in 0..PARTS {
                 let part = forces[n][k] * unit * weights[k];
                 self.own[n][k] += part * part;
+                self.largest[k] = self.largest[k].larger(forces[n][k].abs());
             }
         }
         rest

@@ -29,8 +29,8 @@ impl<R: Real> Workspace<R> {
             rest: Rest::Nothing,
             inertia: Some((R::zero(), &state.acceleration)),
         };
-        self.loaded = false;
-        self.balance(structure, &equations, &state.displacement)?;
+        self.loaded = self.lasts(&equations);
+        self.balance(structure, &equations, None, &mut state.displacement)?;
         let multipliers = structure.multipliers();
         // Constraints turn with the motion, the mass alone never changes.
         let mass = structure.mass_factor();

@@ -58,7 +58,7 @@ impl<R: Real> Workspace<R> {
                 *moved += back;
             }
             share = next;
-            balance = self.balance(structure, equations, u)?;
+            balance = self.balance(structure, equations, None, u)?.0;
         }
         Ok((balance, share))
     }

@@ -85,7 +85,7 @@ impl<R: Real> Workspace<R> {
         if !structure.has_applied() {
             return Ok(driven);
         }
-        self.loaded = false;
+        (self.loaded, self.lasting) = (false, None);
         self.external.fill(R::zero());
         for sample in samples {
             let (time, u) = (sample.time, sample.displacement);
