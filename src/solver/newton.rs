@@ -75,8 +75,8 @@ pub(crate) struct Workspace<R> {
     current: bool,
     /// Whether the external forces of this solve are known.
     loaded: bool,
-    /// The load factor of external forces that are those of other solves, too.
-    lasting: Option<R>,
+    /// Whether they are those of every time step, too.
+    lasting: bool,
     /// A force of about the size of the largest met first in this solve, and whether that has been
     /// looked at; zero as long as there was none.
     force: R,
@@ -147,7 +147,7 @@ impl<R: Real> Workspace<R> {
             held_mass: false,
             current: false,
             loaded: false,
-            lasting: None,
+            lasting: false,
             force: R::zero(),
             measured: false,
             halfway: false,

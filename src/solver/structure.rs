@@ -161,8 +161,8 @@ pub trait Structure<R: Real> {
         true
     }
 
-    /// Whether external forces at a given load factor are the same at all times, so that they need not be
-    /// formed step by step; by default they may change.
+    /// Whether external forces at a given state and load factor are the same at all times, so that those
+    /// that do not follow the state need not be formed step by step; by default they may change.
     fn is_steady(&self) -> bool {
         false
     }

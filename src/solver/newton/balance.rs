@@ -139,9 +139,9 @@ impl<R: Real> Workspace<R> {
         Ok(norms)
     }
 
-    /// Whether the external forces are known from a solve before.
+    /// Whether the external forces are known from a solve before: time steps all take them in full.
     pub(super) fn lasts(&self, equations: &Equations<'_, R>) -> bool {
-        matches!(equations.rest, Rest::Nothing) && self.lasting == Some(equations.factor)
+        self.lasting && equations.inertia.is_some()
     }
 
     /// The external forces on the unknowns.
@@ -166,8 +166,7 @@ impl<R: Real> Workspace<R> {
         }
         structure.unknowns().reduce(q);
         self.loaded = true;
-        let lasting = structure.is_steady() && matches!(equations.rest, Rest::Nothing);
-        self.lasting = lasting.then_some(equations.factor);
+        self.lasting = structure.is_steady() && equations.inertia.is_some();
         Ok(())
     }
 

@@ -85,7 +85,7 @@ impl<R: Real> Workspace<R> {
         if !structure.has_applied() {
             return Ok(driven);
         }
-        (self.loaded, self.lasting) = (false, None);
+        (self.loaded, self.lasting) = (false, false);
         self.external.fill(R::zero());
         for sample in samples {
             let (time, u) = (sample.time, sample.displacement);
