@@ -353,6 +353,13 @@ impl<R: Real> Structure<R> for Loaded<R> {
         q[0] += factor * (self.load)(time);
         Ok(())
     }
+    fn has_applied(&self) -> bool {
+        true
+    }
+    fn add_applied(&self, time: R, factor: R, _: &[R], q: &mut [R]) -> Result<()> {
+        q[0] += factor * (self.load)(time);
+        Ok(())
+    }
     fn add_tangent(&self, _: R, _: R, _: &[R], k: &mut Matrix<R>) -> Result<()> {
         k.add(0, 0, R::one())
     }

@@ -157,7 +157,7 @@ fn threads_change_no_bit() {
     check::<2, 6>();
 }
 
-/// Some steps of a pendulum: all displacements, and how many iterations they took. Another beam may be
+/// Some steps of a beam on three supports, under its weight and a force: all displacements, and how many iterations they took. Another beam may be
 /// `beside` it, held at both ends.
 fn swung(elements: usize, beside: bool) -> (Vec<f64>, usize) {
     let mut scene = Scene::<f64, 3>::new();
@@ -175,6 +175,11 @@ fn swung(elements: usize, beside: bool) -> (Vec<f64>, usize) {
         scene.clamp(other.start()).unwrap();
         scene.clamp(other.end()).unwrap();
     }
+    // Where parts meet, and within one.
+    for node in [300, 512] {
+        scene.pin(beam.node(node)).unwrap();
+    }
+    scene.force(beam.end(), [0.1, 0.2, 0.3]).unwrap();
     scene.gravity([0.0, -9.81, 0.0]).unwrap();
     let system = scene.assemble().unwrap();
     let method = Newmark::trapezoidal();
@@ -207,7 +212,7 @@ fn bent(beside: bool) -> Vec<f64> {
     };
     let beam = scene.add(straight(60.0, 600)).unwrap();
     scene.clamp(beam.start()).unwrap();
-    scene.pin(beam.node(256)).unwrap();
+    scene.pin(beam.node(512)).unwrap();
     scene.force(beam.end(), [0.0, 1e-6, 2e-6]).unwrap();
     if beside {
         let other = scene.add(straight(0.1, 1)).unwrap();

@@ -304,8 +304,8 @@ where
     }
 
     /// Calls `each` for groups of some elements that fill the lanes: with the elements, what links them
-    /// and their nodal vectors in each of `sources`, which start at the coordinate `from`. The last group is filled up by its last
-    /// element, so that all elements see the same arithmetic.
+    /// and their nodal vectors in each of `sources`, which start at the coordinate `from`. The last group
+    /// is filled up by its last element, so that all elements see the same arithmetic.
     #[inline(always)]
     fn groups<L: Lanes<R>, const N: usize>(
         &self,

@@ -89,8 +89,8 @@ pub(crate) struct Workspace<R> {
     /// residual tells about them.
     per_size: Vec<R>,
     external: Vec<R>,
-    /// Internal forces, inertia and accelerations of a part of the structure, at the front: what lies
-    /// behind is never touched.
+    /// Internal forces, inertia and accelerations of a part of the structure, at the front: long ones
+    /// stay in the caches.
     internal: Vec<R>,
     inertia: Vec<R>,
     acceleration: Vec<R>,

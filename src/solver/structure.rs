@@ -132,9 +132,9 @@ pub trait Structure<R: Real> {
     /// Shows the parts that internal forces and inertia are evaluated in, from the last coordinates to
     /// the first, as a linear system is solved backwards: each part depends and acts on no coordinate
     /// that is complete before it, and the last one shown completes all. So a long structure goes
-    /// through the caches once where several sums are formed side by side. By default it is one part. A structure in several implements this,
-    /// [`add_internal_of`](Self::add_internal_of) and [`add_mass_times_of`](Self::add_mass_times_of), or
-    /// none of them. Where coordinates follow from others or are multipliers, forces are evaluated as a
+    /// through the caches once where several sums are formed side by side. By default it is one part. A
+    /// structure in several implements this, [`add_internal_of`](Self::add_internal_of) and
+    /// [`add_mass_times_of`](Self::add_mass_times_of), or none of them. Where coordinates follow from others or are multipliers, forces are evaluated as a
     /// whole, whatever is shown.
     fn each_part(&self, each: &mut dyn FnMut(&Part)) {
         each(&Part::whole(self.unknowns().coordinates()));

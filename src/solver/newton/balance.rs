@@ -106,10 +106,11 @@ impl<R: Real> Workspace<R> {
             };
             (first, done) = (window.start, complete.start);
             let sums = complete.start - window.start..complete.end - window.start;
+            let on = part.coordinates.start - window.start..window.len();
             let known = &external[complete.clone()];
             let (residual, weights) = (&mut scratch[complete.clone()], &weights[complete.clone()]);
             open(internal);
-            structure.add_internal_of(part, u, &mut internal[..window.len()]);
+            structure.add_internal_of(part, u, &mut internal[on.clone()]);
             if part.elements.is_none() {
                 structure.add_holding(equations.time, u, internal);
             }
@@ -122,7 +123,7 @@ impl<R: Real> Workspace<R> {
             let own = part.coordinates.clone();
             let a = &mut acceleration[..own.len()];
             Accelerations { rate }.run([&predicted[own.clone()], &moved[own]], [&mut *a]);
-            structure.add_mass_times_of(part, R::one(), a, &mut inertia[..window.len()]);
+            structure.add_mass_times_of(part, R::one(), a, &mut inertia[on]);
             unknowns.reduce_within(complete, window.start, inertia);
             let forces = [known, &internal[sums.clone()], &inertia[sums]];
             norms.take(forces, residual, weights);

@@ -85,14 +85,13 @@ impl<R: Real> Workspace<R> {
         if !structure.has_applied() {
             return Ok(driven);
         }
-        (self.loaded, self.lasting) = (false, false);
-        self.external.fill(R::zero());
+        self.scratch.fill(R::zero());
         for sample in samples {
             let (time, u) = (sample.time, sample.displacement);
-            structure.add_applied(time, sample.weight, u, &mut self.external)?;
+            structure.add_applied(time, sample.weight, u, &mut self.scratch)?;
         }
         let moved = next.displacement.iter().zip(&now.displacement);
-        let work = self.external.iter().zip(moved);
+        let work = self.scratch.iter().zip(moved);
         Ok(driven + work.map(|(q, (b, a))| *q * (*b - *a)).sum::<R>())
     }
 }
