@@ -158,6 +158,9 @@ impl<R: Real, S: Structure<R>> Structure<R> for Way<'_, R, S> {
     fn has_following(&self) -> bool {
         self.structure.has_following()
     }
+    fn is_steady(&self) -> bool {
+        self.structure.is_steady()
+    }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
         self.meet(u);
         self.structure

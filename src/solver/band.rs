@@ -213,6 +213,11 @@ impl<R: Real> Factor<R> {
         }
     }
 
+    /// Whether [`back`](Self::back) is still to be gone, or some of it.
+    pub(super) fn is_halfway(&self) -> bool {
+        self.ldlt.as_ref().is_some_and(Ldlt::is_halfway)
+    }
+
     /// The solution for the right-hand side that went along with the factors [kept](Self::keep), from
     /// `line` on: found from the last unknown down to there, so that what follows from a part of it can be
     /// done while the caches hold it.

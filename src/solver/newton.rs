@@ -81,8 +81,6 @@ pub(crate) struct Workspace<R> {
     /// looked at; zero as long as there was none.
     force: R,
     measured: bool,
-    /// Whether what the last factorisation was made along with is still to be solved for backwards.
-    halfway: bool,
     /// Natural sizes of the coordinates over the largest; zero for those that are no unknowns.
     weights: Vec<R>,
     /// Reciprocals of the natural sizes of all coordinates; zero for multipliers, which have none: the
@@ -150,7 +148,6 @@ impl<R: Real> Workspace<R> {
             lasting: false,
             force: R::zero(),
             measured: false,
-            halfway: false,
             weights,
             per_size: measure.iter().enumerate().map(per_size).collect(),
             external: zeros(),
@@ -270,7 +267,7 @@ impl<R: Real> Workspace<R> {
         // Derivatives follow the value one correction behind, each order one more.
         let mut extra = R::ORDER;
         self.loaded = self.lasts(&equations);
-        (self.measured, self.halfway) = (false, false);
+        self.measured = false;
         self.assembled = Assembled::Nothing;
         self.moved.fill(R::zero());
         if settings.refresh == Refresh::EverySolve {
@@ -492,7 +489,6 @@ impl<R: Real> Workspace<R> {
         self.definite = sound;
         if sound {
             factors.keep(k.stored_mut());
-            self.halfway = solving;
         }
         Ok(sound)
     }
@@ -500,7 +496,7 @@ impl<R: Real> Workspace<R> {
     /// Replaces the reduced forces in `scratch` by the changes of all coordinates they bring where that
     /// has been done half way.
     fn find_changes(&mut self, unknowns: &Unknowns<R>) {
-        if std::mem::take(&mut self.halfway) {
+        if self.factor.is_halfway() {
             unknowns.spread(self.factor.back(0), &mut self.scratch);
         }
     }

@@ -186,6 +186,9 @@ impl<R: Real, S: Structure<R>> Structure<R> for Stages<'_, R, S> {
     fn has_following(&self) -> bool {
         self.structure.has_following()
     }
+    fn is_steady(&self) -> bool {
+        self.structure.is_steady()
+    }
     fn add_external(&self, time: R, factor: R, u: &[R], q: &mut [R]) -> Result<()> {
         let mut scratch = self.scratch.borrow_mut();
         for (i, at) in self.tableau.at.iter().enumerate() {

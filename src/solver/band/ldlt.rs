@@ -187,6 +187,10 @@ impl<R: Real> Ldlt<R> {
         x.copy_from_slice(self.way::<true>(profile, 0));
     }
 
+    pub(super) fn is_halfway(&self) -> bool {
+        self.behind > 0
+    }
+
     /// Finds the unknowns from the last down to `line` at least, as far as they are not found yet: those
     /// from `line` on are what comes back.
     pub(super) fn back(&mut self, profile: &Profile, line: usize) -> &[R] {

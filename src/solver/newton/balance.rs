@@ -43,6 +43,13 @@ impl<R: Real> Workspace<R> {
         if !self.loaded || following {
             self.load(structure, equations, u)?;
         }
+        // As long as no force is known, the loads tell of the unit: most often rightly.
+        let none = self.force.at_most(R::zero());
+        if !self.measured && none.any() {
+            let loads = self.external.iter().map(|q| q.abs());
+            let load = loads.fold(R::zero(), R::larger);
+            self.force = load.where_else(none, self.force);
+        }
         let mut norms = self.sum(structure, equations, due, by_parts, u)?;
         // The unit stays for all of a solve that starts from some force, and from solve to solve as long
         // as squares by it are numbers.
@@ -70,7 +77,7 @@ impl<R: Real> Workspace<R> {
     ) -> Result<Norms<R>> {
         let (count, unknowns) = (u.len(), structure.unknowns());
         let mut norms = Norms::new(R::one() / self.unit());
-        let halfway = std::mem::take(&mut self.halfway);
+        let halfway = self.factor.is_halfway();
         let Self {
             external,
             internal,
@@ -308,8 +315,13 @@ impl<R: Real> Correction<R> {
     }
 
     fn size(&self) -> R {
-        self.largest.into_iter().fold(R::zero(), R::larger)
+        most(self.largest)
     }
+}
+
+/// The largest of numbers that are not negative.
+fn most<R: Real, const N: usize>(numbers: [R; N]) -> R {
+    numbers.into_iter().fold(R::zero(), R::larger)
 }
 
 /// What the norms of a residual and of the forces it is made of are formed from, by parts of the forces.
@@ -335,12 +347,12 @@ impl<R: Real> Norms<R> {
     }
 
     fn largest(&self) -> R {
-        self.largest.into_iter().fold(R::zero(), R::larger)
+        most(self.largest)
     }
 
     fn balance(self) -> Balance<R> {
         let sum = |parts: [R; PARTS]| parts.into_iter().sum::<R>();
-        let largest = self.own.map(sum).into_iter().fold(R::zero(), R::larger);
+        let largest = most(self.own.map(sum));
         // A state without any force is its own solution: avoid 0 / 0.
         let scale = R::one().where_else(largest.at_most(R::zero()), largest);
         Balance {
