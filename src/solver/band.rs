@@ -24,6 +24,7 @@
 
 mod ahead;
 mod blocks;
+mod columns;
 mod ldlt;
 mod lu;
 mod matrix;
@@ -273,7 +274,7 @@ impl<R: Real> Factor<R> {
         self.held = Held::Nothing;
         match (ALL[held], &mut self.ldlt, &mut self.sparse) {
             (Held::Nothing, ..) => {}
-            (Held::Ldlt, Some(ldlt), _) => ldlt.history(tape)?,
+            (Held::Ldlt, Some(ldlt), _) => ldlt.history(self.profile.reach(), tape)?,
             (Held::Sparse, _, Some(sparse)) => sparse.history(tape)?,
             (Held::Lu, ..) => {
                 let lu = self.lu.get_or_insert_with(|| Lu::new(&self.profile));

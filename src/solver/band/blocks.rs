@@ -79,20 +79,6 @@ pub(super) fn add_multiple<R: Real, L: Lanes<R>>(
     }
 }
 
-/// Adds `sum_p factors_p pivots_p` to one entry, rounded as where a register holds more of them.
-#[inline(always)]
-pub(super) fn add_one<R: Real, L: Lanes<R>, const P: usize>(
-    entry: &mut R,
-    factors: &[L; P],
-    pivots: &[R; P],
-) {
-    let mut sum = L::lift(*entry);
-    for p in 0..P {
-        sum = sum.plus_product(L::lift(pivots[p]), factors[p]);
-    }
-    *entry = first(sum);
-}
-
 /// The number in the first lane.
 #[inline(always)]
 pub(super) fn first<R: Real, L: Lanes<R>>(lanes: L) -> R {

@@ -2,19 +2,16 @@
 //! a long chain spends its time, hence the form: pivots are eliminated four at a time, and whole
 //! columns are updated in the widest registers of the processor.
 
+mod elimination;
 mod solution;
 
-use super::blocks::{SUMS, add_one, first_blocks, first_blocks_mut};
-use super::matrix::{column_starts, overrun};
-use super::pivots::Pivots;
+use super::blocks::SUMS;
+use super::columns::{PANEL, column_starts, counts, overrun};
 use super::{BandMatrix, Profile, ahead};
-use crate::error::{Error, Result};
-use crate::scalar::{LaneWork, Lanes, Mask, Real};
+use crate::error::Result;
+use crate::scalar::{LaneWork, Lanes, Real};
 use crate::solver::Tape;
 use solution::Solution;
-
-/// Pivots eliminated together.
-const PANEL: usize = 4;
 
 /// Rounding units below which a pivot is taken for rounding of the terms it was summed from: each
 /// panel of pivots before it adds up to two, half of them of one sign or the other.
@@ -57,26 +54,12 @@ pub(super) struct Ldlt<R> {
     negative: R,
 }
 
-/// How many unknowns of equal `reach` go together with each one.
-fn counts(reach: &[usize]) -> Vec<u8> {
-    let mut counts = vec![1; reach.len()];
-    let mut j = 0;
-    while j < reach.len() {
-        let alike = |count: usize| reach.get(j + count - 1) == Some(&reach[j]);
-        let count = [PANEL, 2]
-            .into_iter()
-            .find(|count| alike(*count))
-            .unwrap_or(1);
-        counts[j..j + count].fill(count as u8);
-        j += count;
-    }
-    counts
-}
-
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
         let starts = column_starts::<R>(profile);
+        let width = overrun::<R>() + 1;
+        let room = half.next_multiple_of(width) + width;
         Self {
             columns: vec![R::zero(); starts[size]],
             starts,
@@ -87,8 +70,8 @@ impl<R: Real> Ldlt<R> {
             diagonal: vec![R::zero(); size],
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
-            room: half + 1 + overrun::<R>(),
-            panel: vec![R::zero(); PANEL * (half + 1 + overrun::<R>())],
+            room,
+            panel: vec![R::zero(); PANEL * room],
             magnitude: vec![R::zero(); size],
             vector: vec![R::zero(); size + SUMS - 1],
             negative: R::zero(),
@@ -103,11 +86,11 @@ impl<R: Real> Ldlt<R> {
         self.negative.at_most(R::zero()).all()
     }
 
-    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
+    pub(super) fn history(&mut self, reach: &[usize], tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.negative)?;
         // What lies behind a column depends on the processor.
-        for bounds in self.starts.windows(2) {
-            tape.numbers(&mut self.columns[bounds[0]..bounds[1] - overrun::<R>()])?;
+        for (j, last) in reach.iter().enumerate() {
+            tape.numbers(&mut self.columns[self.starts[j]..][..last + 1 - j])?;
         }
         tape.numbers(&mut self.inverse)
     }
@@ -220,46 +203,6 @@ impl<R: Real> Ldlt<R> {
         &self.vector[line..self.inverse.len()]
     }
 
-    /// Whether the pivots of a matrix that may be indefinite can be trusted, by the magnitudes of the
-    /// terms they were summed from. Those of a definite one cannot, or they would not come here.
-    #[cold]
-    #[inline(never)]
-    fn watch<const P: usize>(
-        &mut self,
-        j: usize,
-        [before, after]: [[[R; P]; P]; 2],
-        matrix: Option<&BandMatrix<R>>,
-        definite: bool,
-    ) -> Result<bool> {
-        let mut negative = R::zero();
-        for p in 0..P {
-            let pivot = before[p][p];
-            if !pivot.finite() {
-                return Err(Error::NotFinite {
-                    what: "a pivot of the matrix to factorise",
-                    value: pivot.value(),
-                });
-            }
-            let Some(matrix) = matrix.filter(|_| !definite) else {
-                return Ok(false);
-            };
-            let terms = self.magnitude[j + p];
-            let noise = pivot.abs().at_most(R::lit(NOISE * R::EPSILON) * terms);
-            let bound = R::lit(GROWTH) * matrix.largest_of_row(j + p);
-            if (noise | !terms.at_most(bound)).any() {
-                // A lane that is definite would not have been watched in a run of its own.
-                let _ = Mask::among(R::LANES == 1).common();
-                return Ok(false);
-            }
-            negative += R::one().where_else(pivot.at_most(R::zero()), R::zero());
-            for i in p + 1..P {
-                self.magnitude[j + i] += (before[p][i] * after[p][i]).abs();
-            }
-        }
-        self.negative += negative;
-        Ok(true)
-    }
-
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
     /// every term was subtracted with one sign and the magnitudes, which definite matrices need
     /// not keep, follow from the sums.
@@ -273,146 +216,6 @@ impl<R: Real> Ldlt<R> {
             };
             self.magnitude[i] = start.abs() + (start - now).abs();
         }
-    }
-
-    /// Eliminates the unknowns `j..j + P`, which are coupled up to row `last`. False if a pivot
-    /// cannot be trusted; the columns are then as before.
-    #[inline(always)]
-    fn eliminate<L: Lanes<R>, const P: usize>(
-        &mut self,
-        j: usize,
-        last: usize,
-        matrix: Option<&BandMatrix<R>>,
-        definite: bool,
-    ) -> Result<bool> {
-        let room = self.room;
-        let mut before = [[R::zero(); P]; P];
-        for p in 0..P {
-            let column = &self.columns[self.starts[j + p]..][..P - p];
-            before[p][p..].copy_from_slice(column);
-        }
-        let Pivots {
-            before,
-            after,
-            inverse,
-        } = Pivots::of::<L>(before);
-        // The least of what the pivots are above nothing and above rounding, and what tells whether all
-        // of them are numbers.
-        let (mut least, mut sum) = (before[0][0], R::zero());
-        for p in 0..P {
-            let pivot = before[p][p];
-            let noise = R::lit(NOISE * R::EPSILON) * self.diagonal[j + p];
-            least = least.smaller(pivot).smaller(pivot - noise);
-            sum += pivot;
-        }
-        if !(definite && sum.finite() && !least.at_most(R::zero()).any()) {
-            let triangles = [before, after];
-            if !self.watch(j, triangles, matrix, definite)? {
-                return Ok(false);
-            }
-        }
-        let starts = &self.starts[j..=last + 1];
-        for p in 0..P {
-            self.inverse[j + p] = inverse[p];
-            for i in p + 1..P {
-                self.columns[starts[p] + i - p] = after[p][i];
-            }
-        }
-        let below = last + 1 - (j + P);
-        let (pivots, open) =
-            self.columns[starts[0]..starts[last + 1 - j]].split_at_mut(starts[P] - starts[0]);
-        // Of every column of the panel and of its copy what is below the pivots.
-        let reached = below + L::WIDTH - 1;
-        let mut scaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
-        let mut unscaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
-        let mut rest = pivots;
-        for (p, copy) in (0..P).zip(self.panel.chunks_mut(room)) {
-            let (column, others) = rest.split_at_mut(starts[p + 1] - starts[p]);
-            scaled[p] = &mut column[P - p..][..reached];
-            unscaled[p] = &mut copy[..reached];
-            rest = others;
-        }
-        let (mut minus, mut inverses) = ([[L::zero(); P]; P], [L::zero(); P]);
-        for p in 0..P {
-            inverses[p] = L::lift(inverse[p]);
-            for q in 0..p {
-                minus[q][p] = L::lift(-before[q][p]);
-            }
-        }
-        let count = reached / L::WIDTH;
-        let mut columns: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
-        let mut copies: [&mut [L::Block]; P] = std::array::from_fn(|_| Default::default());
-        for (p, (column, copy)) in scaled.iter_mut().zip(&mut unscaled).enumerate() {
-            columns[p] = first_blocks_mut::<R, L>(column, count);
-            copies[p] = first_blocks_mut::<R, L>(copy, count);
-        }
-        for i in 0..count {
-            let mut l = [L::zero(); P];
-            for p in 0..P {
-                let mut entry = L::load(columns[p][i].as_ref());
-                for q in 0..p {
-                    entry = entry.plus_product(l[q], minus[q][p]);
-                }
-                l[p] = entry * inverses[p];
-                // With the sign that the columns behind take it with.
-                (-entry).store(copies[p][i].as_mut());
-                l[p].store(columns[p][i].as_mut());
-            }
-        }
-        let scaled = scaled.map(|column| &*column);
-        let unscaled = unscaled.map(|copy| &copy[..below]);
-        if !definite {
-            for i in 0..below {
-                for p in 0..P {
-                    self.magnitude[j + P + i] += (scaled[p][i] * unscaled[p][i]).abs();
-                }
-            }
-        }
-        // Two columns at a time, which share what is loaded of the pivots'; of the first one row more.
-        let mut k = 0;
-        while k + 1 < below {
-            let (own, next) = (starts[P + k] - starts[P], starts[P + k + 1] - starts[P]);
-            let (first, second) = open[own..].split_at_mut(next - own);
-            let mut factors = [[L::zero(); P]; 2];
-            for (p, unscaled) in unscaled.iter().enumerate() {
-                for c in 0..2 {
-                    factors[c][p] = L::lift(unscaled[k + c]);
-                }
-            }
-            let mut pivots = [R::zero(); P];
-            for (pivot, scaled) in pivots.iter_mut().zip(scaled) {
-                *pivot = scaled[k];
-            }
-            add_one(&mut first[0], &factors[0], &pivots);
-            let reached = below - k - 1 + L::WIDTH - 1;
-            let count = reached / L::WIDTH;
-            let first = first_blocks_mut::<R, L>(&mut first[1..], count);
-            let second = first_blocks_mut::<R, L>(second, count);
-            let mut columns: [&[L::Block]; P] = [&[]; P];
-            for p in 0..P {
-                columns[p] = first_blocks::<R, L>(&scaled[p][k + 1..], count);
-            }
-            for i in 0..count {
-                let mut entries = [L::load(first[i].as_ref()), L::load(second[i].as_ref())];
-                for p in 0..P {
-                    let along = L::load(columns[p][i].as_ref());
-                    for c in 0..2 {
-                        entries[c] = entries[c].plus_product(along, factors[c][p]);
-                    }
-                }
-                entries[0].store(first[i].as_mut());
-                entries[1].store(second[i].as_mut());
-            }
-            k += 2;
-        }
-        if k < below {
-            let (mut factors, mut pivots) = ([L::zero(); P], [R::zero(); P]);
-            for p in 0..P {
-                (factors[p], pivots[p]) = (L::lift(unscaled[p][k]), scaled[p][k]);
-            }
-            add_one(&mut open[starts[P + k] - starts[P]], &factors, &pivots);
-        }
-        Ok(true)
     }
 }
 

@@ -5,7 +5,7 @@
 //! interchanges widen the rows, and the lanes of a pack choose the same pivots where all choose those.
 
 use super::blocks::{SUMS, add_multiple, products};
-use super::matrix::overrun;
+use super::columns::overrun;
 use super::{BandMatrix, Profile};
 use crate::error::{Error, Result};
 use crate::scalar::{Elementwise, LaneWork, Lanes, MOST_LANES, Real, elementwise};

@@ -6,6 +6,7 @@ use std::ops::{Add, Range};
 use num_traits::Signed;
 
 use super::blocks::SUMS;
+use super::columns::column_starts;
 use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
@@ -428,27 +429,6 @@ impl<R: Real> BandMatrix<R> {
             remedy: "construct both with `symmetric` or both with `general`",
         })
     }
-}
-
-/// Numbers that a register of heavy work reaches at most beyond the end of a column.
-pub(super) const fn overrun<R>() -> usize {
-    const BYTES: usize = 32;
-    match BYTES / size_of::<R>() {
-        0 => 0,
-        lanes => lanes - 1,
-    }
-}
-
-/// Where the columns of a lower triangle start, each from the diagonal down with room for the
-/// overrun of registers, and where the last ends.
-pub(super) fn column_starts<R>(profile: &Profile) -> Vec<usize> {
-    let mut starts = vec![0];
-    let mut end = 0;
-    for (j, last) in profile.reach().iter().enumerate() {
-        end += last + 1 - j + overrun::<R>();
-        starts.push(end);
-    }
-    starts
 }
 
 /// Lines in a row of a [`BandMatrix`]: what one thread may write while others write the rest. Those that

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use super::super::ahead;
 use super::super::blocks::{SUMS, first_blocks, first_blocks_mut, products};
-use super::super::matrix::overrun;
-use super::{Ldlt, PANEL};
+use super::super::columns::{PANEL, overrun};
+use super::Ldlt;
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::tensor::array;
 
@@ -26,8 +26,7 @@ impl<R: Real> Ldlt<R> {
         for p in 0..P {
             minus[p] = L::lift(-known[p]);
         }
-        let reached = below + L::WIDTH - 1;
-        let count = reached / L::WIDTH;
+        let count = below.div_ceil(L::WIDTH);
         let rest = first_blocks_mut::<R, L>(&mut x[j + P..], count);
         let mut blocks: [&[L::Block]; P] = [&[]; P];
         for p in 0..P {
@@ -77,7 +76,7 @@ impl<R: Real> Ldlt<R> {
     fn panel<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], [&[R]; P], usize) {
         let below = last + 1 - (j + P);
         let starts = &self.starts[j..j + P];
-        let reached = below + overrun::<R>();
+        let reached = below.next_multiple_of(overrun::<R>() + 1);
         let (mut own, mut columns): ([&[R]; P], [&[R]; P]) = ([&[]; P], [&[]; P]);
         for p in 0..P {
             let column = &self.columns[starts[p]..];
