@@ -23,6 +23,7 @@
 //! ```
 
 mod ahead;
+mod aligned;
 mod blocks;
 mod columns;
 mod ldlt;

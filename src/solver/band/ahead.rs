@@ -8,7 +8,7 @@ use crate::scalar::prefetch;
 /// Bytes of a matrix from which on it is asked for: about what second caches hold.
 const CACHE: usize = 1 << 19;
 /// Bytes of a line of the caches.
-const LINE: usize = 64;
+pub(super) const LINE: usize = 64;
 
 /// Columns between what is read and what is asked for: memory takes as long as some elements do.
 pub(super) const COLUMNS: usize = 64;

@@ -5,6 +5,7 @@
 mod elimination;
 mod solution;
 
+use super::aligned::Aligned;
 use super::blocks::SUMS;
 use super::columns::{PANEL, column_starts, counts, overrun};
 use super::{BandMatrix, Profile, ahead};
@@ -24,9 +25,10 @@ pub(in crate::solver) const GROWTH: f64 = 256.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Ldlt<R> {
-    /// Columns of `L` from the diagonal down, which itself is left out of use, and zeros behind
-    /// them: registers reach beyond the end of a column.
-    columns: Vec<R>,
+    /// Columns of `L` from the diagonal down, which itself is left out of use, where [`column_starts`]
+    /// has them start. Behind the last row of each are zeros, above its diagonal anything: registers
+    /// reach there.
+    columns: Aligned<R>,
     /// Where each column starts, and where the last ends.
     starts: Vec<usize>,
     /// How many unknowns are eliminated together with each one: their reach is the same, so that
@@ -44,13 +46,13 @@ pub(super) struct Ldlt<R> {
     /// Reciprocals of the pivots.
     inverse: Vec<R>,
     /// Columns of the current pivots below them, before division by the pivot and with the other sign.
-    panel: Vec<R>,
+    panel: Aligned<R>,
     /// Room for one of them.
     room: usize,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
     magnitude: Vec<R>,
     /// The vector being solved for, and zeros behind it.
-    vector: Vec<R>,
+    vector: Aligned<R>,
     negative: R,
 }
 
@@ -61,7 +63,7 @@ impl<R: Real> Ldlt<R> {
         let width = overrun::<R>() + 1;
         let room = half.next_multiple_of(width) + width;
         Self {
-            columns: vec![R::zero(); starts[size]],
+            columns: Aligned::zero(starts[size]),
             starts,
             done: 0,
             seen: 0,
@@ -71,9 +73,9 @@ impl<R: Real> Ldlt<R> {
             counts: counts(profile.reach()),
             inverse: vec![R::zero(); size],
             room,
-            panel: vec![R::zero(); PANEL * room],
+            panel: Aligned::zero(PANEL * room),
             magnitude: vec![R::zero(); size],
-            vector: vec![R::zero(); size + SUMS - 1],
+            vector: Aligned::zero(size + SUMS - 1),
             negative: R::zero(),
         }
     }

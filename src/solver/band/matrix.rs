@@ -5,6 +5,7 @@ use std::ops::{Add, Range};
 
 use num_traits::Signed;
 
+use super::aligned::Aligned;
 use super::blocks::SUMS;
 use super::columns::column_starts;
 use super::{Profile, ahead};
@@ -15,8 +16,8 @@ use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
 ///
 /// A general matrix is stored by rows, row `i` from column `i - half_bandwidth` to
 /// `i + half_bandwidth`; a symmetric one by the columns of its lower triangle, each from the diagonal
-/// as far as it reaches and with zeros behind it: its factors are formed column by column, in the same
-/// storage. No method but the constructors allocates.
+/// as far as it reaches, with room between them: its factors are formed in the same storage, by
+/// registers. No method but the constructors allocates.
 ///
 /// Clearing costs nothing: such a line is filled with zeros when something is added to it or behind
 /// it, so that long matrices go through the cache once where they are assembled in order.
@@ -26,7 +27,7 @@ pub struct BandMatrix<R> {
     symmetric: bool,
     /// Where each line starts, and where the last ends.
     starts: Vec<usize>,
-    data: Vec<R>,
+    data: Aligned<R>,
     /// Lines from this one on are zero, whatever `data` holds.
     written: usize,
     /// The longest line of zeros.
@@ -53,7 +54,7 @@ impl<R: Real> BandMatrix<R> {
         Self {
             profile: profile.clone(),
             symmetric,
-            data: vec![R::zero(); starts[profile.size()]],
+            data: Aligned::zero(starts[profile.size()]),
             written: profile.size(),
             zeros: vec![R::zero(); longest.unwrap_or(0)],
             starts,
@@ -115,7 +116,8 @@ impl<R: Real> BandMatrix<R> {
         }
     }
 
-    /// What is stored of row `i`, or of column `i` of a symmetric matrix, and the zeros behind it.
+    /// What is stored of row `i`, or of column `i` of a symmetric matrix, and what lies
+    /// behind it.
     #[inline(always)]
     pub(super) fn line(&self, i: usize) -> &[R] {
         match i < self.written {
@@ -138,7 +140,7 @@ impl<R: Real> BandMatrix<R> {
     }
 
     /// Exchanges the storage for that of factors.
-    pub(super) fn exchange(&mut self, columns: &mut Vec<R>) {
+    pub(super) fn exchange(&mut self, columns: &mut Aligned<R>) {
         std::mem::swap(&mut self.data, columns);
     }
 
