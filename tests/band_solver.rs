@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use ancf::Error;
-use ancf::scalar::Real;
+use ancf::scalar::{Laned, Real, together};
 use ancf::solver::{BandMatrix, Factor, Profile};
 use nalgebra::{DMatrix, DVector};
 use num_dual::Dual64;
@@ -115,6 +115,63 @@ proptest! {
         prop_assert_eq!(factor.inertia(), Some(0));
         prop_assert!(residual_in_units(&matrix, &x, b.as_slice()) < 4.0);
         assert_close(&x, &dense(&matrix).lu().solve(&b).unwrap(), 1e-13);
+    }
+
+    /// Eight matrices at once and one at a time, registers of one and of several numbers: the same bits.
+    #[test]
+    fn packs_of_matrices_are_solved_as_each_alone(seed in any::<u64>(), size in 1_usize..70, longest in 1_usize..26) {
+        let random = &mut Random(seed);
+        let profile = varied(size, longest, random);
+        let diagonal = 2.0 * longest as f64 + 1.0;
+        let alone: Vec<_> = (0..8).map(|_| symmetric(&profile, diagonal, random)).collect();
+        let b: Vec<_> = (0..8).map(|_| vector(size, random)).collect();
+        let mut matrix = BandMatrix::symmetric(&profile);
+        for j in 0..size {
+            for i in j..=profile.reach()[j] {
+                matrix.add(i, j, f64::pack(|lane| alone[lane].get(i, j))).unwrap();
+            }
+        }
+        let packed = together(|| {
+            let mut factor = Factor::new(&profile, true);
+            factor.factor(&matrix).unwrap();
+            let mut x: Vec<_> = (0..size).map(|i| f64::pack(|lane| b[lane][i])).collect();
+            factor.solve(&mut x).unwrap();
+            x
+        })
+        .expect("the lanes part");
+        for lane in 0..8 {
+            let x: Vec<_> = packed.iter().map(|x| f64::unpack(*x, lane)).collect();
+            prop_assert_eq!(x, solved(&alone[lane], true, &b[lane]).0);
+        }
+    }
+
+    /// Registers hold more numbers of single precision than a panel has columns. Copies of factors and of
+    /// matrices, which lie elsewhere, are as good.
+    #[test]
+    fn single_precision_is_solved_to_its_rounding(seed in any::<u64>(), size in 1_usize..70, longest in 1_usize..26) {
+        let random = &mut Random(seed);
+        let profile = varied(size, longest, random);
+        let double = symmetric(&profile, 2.0 * longest as f64 + 1.0, random);
+        let mut matrix = BandMatrix::<f32>::symmetric(&profile);
+        for j in 0..size {
+            for i in j..=profile.reach()[j] {
+                matrix.add(i, j, double.get(i, j) as f32).unwrap();
+            }
+        }
+        let b = vector(size, random).map(|b| f64::from(b as f32));
+        let solution = |factor: &mut Factor<f32>| {
+            let mut x: Vec<f32> = b.iter().map(|&b| b as f32).collect();
+            factor.solve(&mut x).unwrap();
+            x
+        };
+        let mut factor = Factor::new(&profile, true);
+        factor.factor(&matrix).unwrap();
+        let x = solution(&mut factor);
+        prop_assert!(residual_in_units(&matrix, &x, b.as_slice()) < 4.0);
+        let mut copy = factor.clone();
+        prop_assert_eq!(&solution(&mut copy), &x);
+        copy.factor(&matrix.clone()).unwrap();
+        prop_assert_eq!(&solution(&mut copy), &x);
     }
 
     #[test]
@@ -267,7 +324,7 @@ fn the_smallest_systems_work() {
 }
 
 #[test]
-fn single_precision_is_solved_to_its_rounding() {
+fn indefinite_matrices_in_single_precision_are_solved_to_their_rounding() {
     let random = &mut Random(11);
     for diagonal in [0.0, 30.0] {
         let double = symmetric(&beam(5, 12), diagonal, random);

@@ -1,5 +1,6 @@
-//! Numbers that begin where a line of the caches does, so that no register of them lies on two: those
-//! cost twice as much to load and to store.
+//! Numbers that begin where a line of the caches does, so that registers of them lie on one as far as
+//! columns are multiples of registers, as those of spatial elements are: on two, they cost twice as much
+//! to load and to store.
 
 use std::ops::{Deref, DerefMut};
 
@@ -26,7 +27,7 @@ impl<R> Aligned<R> {
     }
 
     fn within(numbers: Vec<R>, length: usize) -> Self {
-        // Numbers that do not divide a line may never begin with one.
+        // Numbers that do not divide a line may begin with one too late or never.
         let before = Some(numbers.as_ptr().align_offset(LINE)).filter(|n| *n <= Self::SPARE);
         Self {
             numbers,

@@ -27,9 +27,9 @@ pub(super) fn counts(reach: &[usize]) -> Vec<u8> {
 /// Numbers that a register of heavy work reaches at most beyond the end of a column.
 pub(super) const fn overrun<R>() -> usize {
     const BYTES: usize = 32;
-    match BYTES / size_of::<R>() {
-        0 => 0,
-        lanes => lanes - 1,
+    match (BYTES / size_of::<R>()).checked_ilog2() {
+        None => 0,
+        Some(doubled) => (1 << doubled) - 1,
     }
 }
 
@@ -43,9 +43,8 @@ pub(super) fn column_starts<R>(profile: &Profile) -> Vec<usize> {
         let count = usize::from(counts[j]);
         let below = last + 1 - (j + count);
         for p in 0..count {
-            // Rows above the diagonal in its register; of two columns that are updated at a time, the
-            // second has one in any case.
-            let above = p % width.max(2);
+            // Rows above the diagonal in its register.
+            let above = p % width;
             starts.push(end + above);
             let own = count - (p - above);
             // As pivots, columns are read from the panel's end on, before that from its start.

@@ -45,9 +45,10 @@ pub(super) struct Ldlt<R> {
     diagonal: Vec<R>,
     /// Reciprocals of the pivots.
     inverse: Vec<R>,
-    /// Columns of the current pivots below them, before division by the pivot and with the other sign.
+    /// Columns of the current pivots below them, before division by the pivot and with the other sign,
+    /// zeros behind each.
     panel: Aligned<R>,
-    /// Room for one of them.
+    /// Room for one of them and a register of zeros.
     room: usize,
     /// Sum of the magnitudes of all terms of a diagonal entry: its rounding is a few units of it.
     magnitude: Vec<R>,
@@ -90,9 +91,13 @@ impl<R: Real> Ldlt<R> {
 
     pub(super) fn history(&mut self, reach: &[usize], tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.negative)?;
-        // What lies behind a column depends on the processor.
+        // What lies between columns depends on the type of registers that they are made for, and a matrix
+        // that could not be factorised leaves what is no number there.
         for (j, last) in reach.iter().enumerate() {
-            tape.numbers(&mut self.columns[self.starts[j]..][..last + 1 - j])?;
+            let column = &mut self.columns[self.starts[j]..self.starts[j + 1]];
+            let (own, between) = column.split_at_mut(last + 1 - j);
+            tape.numbers(own)?;
+            between.fill(R::zero());
         }
         tape.numbers(&mut self.inverse)
     }
@@ -245,7 +250,8 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
             lines,
             mut x,
         } = self;
-        assert!(L::WIDTH <= overrun::<R>() + 1, "registers of HEAVY work");
+        let fits = (overrun::<R>() + 1).is_multiple_of(L::WIDTH);
+        assert!(fits, "registers of HEAVY work");
         let mut definite = true;
         // Of what is assembled piece by piece, the next piece is fetched while this one is eliminated.
         let lines = lines.max(ldlt.done);

@@ -27,6 +27,8 @@ pub struct BandMatrix<R> {
     symmetric: bool,
     /// Where each line starts, and where the last ends.
     starts: Vec<usize>,
+    /// Lines one after another. Behind each column of a symmetric matrix are zeros, and behind these what
+    /// lies above the diagonal of the next, where registers of a factorisation leave anything.
     data: Aligned<R>,
     /// Lines from this one on are zero, whatever `data` holds.
     written: usize,

@@ -2,25 +2,22 @@
 //! wait for one another, hence in registers, every number in all lanes of one: compilers would shuffle
 //! single numbers about.
 
-use std::marker::PhantomData;
-
-use crate::scalar::{Lanes, Real};
+use crate::scalar::Field;
 
 /// The triangle of some pivots, before and after division by them, and their reciprocals.
-pub(super) struct Pivots<R, L, const P: usize> {
-    pub(super) before: [[L; P]; P],
-    pub(super) after: [[L; P]; P],
-    pub(super) inverse: [L; P],
-    number: PhantomData<R>,
+pub(super) struct Pivots<T, const P: usize> {
+    pub(super) before: [[T; P]; P],
+    pub(super) after: [[T; P]; P],
+    pub(super) inverse: [T; P],
 }
 
-impl<R: Real, L: Lanes<R>, const P: usize> Pivots<R, L, P> {
+impl<T: Field, const P: usize> Pivots<T, P> {
     /// Of the entries of a matrix. No branches: it must stay in registers.
     #[inline(always)]
-    pub(super) fn of(mut before: [[L; P]; P]) -> Self {
-        let (mut after, mut inverse) = ([[L::zero(); P]; P], [L::zero(); P]);
+    pub(super) fn of(mut before: [[T; P]; P]) -> Self {
+        let (mut after, mut inverse) = ([[T::zero(); P]; P], [T::zero(); P]);
         for p in 0..P {
-            inverse[p] = L::one() / before[p][p];
+            inverse[p] = T::one() / before[p][p];
             for i in p + 1..P {
                 after[p][i] = before[p][i] * inverse[p];
             }
@@ -35,7 +32,6 @@ impl<R: Real, L: Lanes<R>, const P: usize> Pivots<R, L, P> {
             before,
             after,
             inverse,
-            number: PhantomData,
         }
     }
 }

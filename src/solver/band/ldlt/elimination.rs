@@ -2,6 +2,8 @@
 //! on. Slices are cut once, registers filled by whole rows of panels, so that little but products is left.
 
 use super::super::BandMatrix;
+use std::ops::Range;
+
 use super::super::blocks::{first, first_blocks, first_blocks_mut};
 use super::super::columns::PANEL;
 use super::super::pivots::Pivots;
@@ -126,33 +128,13 @@ impl<R: Real> Ldlt<R> {
                 }
             }
         }
-        let counts = &counts[j + P..=last];
-        let update = Update {
+        Update {
             scaled,
             unscaled,
             starts: &starts[P..],
-            below,
-        };
-        let mut k = 0;
-        while k < below {
-            let end = (k + usize::from(counts[k])).min(below);
-            // Columns of one panel share their rows.
-            if L::WIDTH >= PANEL && end == k + PANEL {
-                update.columns::<L, PANEL>(k, k, open);
-                k = end;
-            }
-            let top = k;
-            while k < end {
-                let row = k - (k - top) % L::WIDTH;
-                if k + 1 < end {
-                    update.columns::<L, 2>(k, row, open);
-                    k += 2;
-                } else {
-                    update.columns::<L, 1>(k, row, open);
-                    k += 1;
-                }
-            }
+            rows: below,
         }
+        .run::<L>(&counts[j + P..=last], open);
         Ok(true)
     }
 }
@@ -196,7 +178,7 @@ fn watch<R: Real, const P: usize>(
     Ok(Some(negative))
 }
 
-/// What the elimination of a panel adds to the columns behind it.
+/// What the elimination of a panel adds to the columns behind it, as many as there are rows below it.
 struct Update<'a, R, const P: usize> {
     /// The columns of the panel below the pivots, after division by them.
     scaled: [&'a [R]; P],
@@ -204,49 +186,85 @@ struct Update<'a, R, const P: usize> {
     unscaled: [&'a [R]; P],
     /// Where the columns behind the panel start.
     starts: &'a [usize],
-    /// How many there are.
-    below: usize,
+    rows: usize,
 }
 
 impl<R: Real, const P: usize> Update<'_, R, P> {
-    /// Adds to `C` columns from `k` on, in rows from one on that may lie above their diagonals.
+    /// Goes through the columns by panels of as many as `counts` tells.
     #[inline(always)]
-    fn columns<L: Lanes<R>, const C: usize>(&self, k: usize, row: usize, open: &mut [R]) {
-        let count = (self.below - row).div_ceil(L::WIDTH);
+    fn run<L: Lanes<R>>(&self, counts: &[u8], open: &mut [R]) {
+        let end = self.rows;
+        let mut k = 0;
+        if L::WIDTH == 1 {
+            // No register reaches above a diagonal: of two columns, the first has a row of its own.
+            while k + 1 < end {
+                self.columns::<L, 1>(k, k..k + 1, open);
+                self.columns::<L, 2>(k, k + 1..end, open);
+                k += 2;
+            }
+        }
+        while k < end {
+            let top = k;
+            let behind = (top + usize::from(counts[top])).min(end);
+            if L::WIDTH >= PANEL && behind == top + PANEL {
+                self.columns::<L, PANEL>(top, top..end, open);
+                k = behind;
+            }
+            while k < behind {
+                let rows = k - (k - top) % L::WIDTH..end;
+                if k + 1 < behind {
+                    self.columns::<L, 2>(k, rows, open);
+                    k += 2;
+                } else {
+                    self.columns::<L, 1>(k, rows, open);
+                    k += 1;
+                }
+            }
+        }
+    }
+
+    /// Adds to `C` columns from `k` on, in rows of which the first may lie above their diagonals and the
+    /// last fill no register.
+    #[inline(always)]
+    fn columns<L: Lanes<R>, const C: usize>(&self, k: usize, rows: Range<usize>, open: &mut [R]) {
+        let count = rows.len().div_ceil(L::WIDTH);
         let mut columns: [&mut [L::Block]; C] = std::array::from_fn(|_| Default::default());
         let (mut rest, mut passed) = (open, 0);
         for c in 0..C {
-            let start = self.starts[k + c] - self.starts[0] - (k + c - row);
+            let start = self.starts[k + c] - self.starts[0] + rows.start - (k + c);
             let column = rest.split_at_mut(start - passed).1;
             let (column, others) = column.split_at_mut(count * L::WIDTH);
             columns[c] = first_blocks_mut::<R, L>(column, count);
             (rest, passed) = (others, start + count * L::WIDTH);
         }
-        let mut pivots: [&[L::Block]; P] = [&[]; P];
+        let mut along: [&[L::Block]; P] = [&[]; P];
         for p in 0..P {
-            pivots[p] = first_blocks::<R, L>(&self.unscaled[p][row..], count);
+            along[p] = first_blocks::<R, L>(&self.unscaled[p][rows.start..], count);
         }
-        let mut factors: [[R; C]; P] = [[R::zero(); C]; P];
+        let mut factors = [[R::zero(); C]; P];
         for (factors, scaled) in factors.iter_mut().zip(self.scaled) {
             factors.copy_from_slice(&scaled[k..k + C]);
         }
         // Short loops of known length have no end to be guessed.
-        match count {
-            1 if L::WIDTH > 1 => rows::<R, L, P, C>(1, &pivots, columns, factors),
-            2 if L::WIDTH > 1 => rows::<R, L, P, C>(2, &pivots, columns, factors),
-            3 if L::WIDTH > 1 => rows::<R, L, P, C>(3, &pivots, columns, factors),
-            4 if L::WIDTH > 1 => rows::<R, L, P, C>(4, &pivots, columns, factors),
-            5 if L::WIDTH > 1 => rows::<R, L, P, C>(5, &pivots, columns, factors),
-            _ => rows::<R, L, P, C>(count, &pivots, columns, factors),
+        if L::WIDTH > 1 && C > 1 {
+            match count {
+                1 => return add_rows::<R, L, P, C>(1, &along, columns, factors),
+                2 => return add_rows::<R, L, P, C>(2, &along, columns, factors),
+                3 => return add_rows::<R, L, P, C>(3, &along, columns, factors),
+                4 => return add_rows::<R, L, P, C>(4, &along, columns, factors),
+                5 => return add_rows::<R, L, P, C>(5, &along, columns, factors),
+                _ => {}
+            }
         }
+        add_rows::<R, L, P, C>(count, &along, columns, factors);
     }
 }
 
 /// Adds multiples of the pivots' columns to others, two at a time, which share what is loaded.
 #[inline(always)]
-fn rows<R: Real, L: Lanes<R>, const P: usize, const C: usize>(
+fn add_rows<R: Real, L: Lanes<R>, const P: usize, const C: usize>(
     count: usize,
-    pivots: &[&[L::Block]; P],
+    along: &[&[L::Block]; P],
     mut columns: [&mut [L::Block]; C],
     factors: [[R; C]; P],
 ) {
@@ -261,9 +279,9 @@ fn rows<R: Real, L: Lanes<R>, const P: usize, const C: usize>(
         for i in 0..count {
             let mut entries = [L::load(first[i].as_ref()), L::load(second[i].as_ref())];
             for p in 0..P {
-                let along = L::load(pivots[p][i].as_ref());
+                let pivot = L::load(along[p][i].as_ref());
                 for c in 0..2 {
-                    entries[c] = entries[c].plus_product(along, known[c][p]);
+                    entries[c] = entries[c].plus_product(pivot, known[c][p]);
                 }
             }
             entries[0].store(first[i].as_mut());
@@ -274,8 +292,8 @@ fn rows<R: Real, L: Lanes<R>, const P: usize, const C: usize>(
         for i in 0..count {
             let mut entry = L::load(column[i].as_ref());
             for p in 0..P {
-                let along = L::load(pivots[p][i].as_ref());
-                entry = entry.plus_product(along, L::lift(factors[p][C - 1]));
+                let pivot = L::load(along[p][i].as_ref());
+                entry = entry.plus_product(pivot, L::lift(factors[p][C - 1]));
             }
             entry.store(column[i].as_mut());
         }
