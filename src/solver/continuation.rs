@@ -344,6 +344,8 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             cause: cause.clone(),
         });
         self.step *= R::lit(0.5);
+        // The tangent at hand is of somewhere else: the path would not begin along its own.
+        self.workspace.forget();
         self.report.cutbacks += 1;
         if self.step.abs() < R::lit(self.settings.shortest) {
             return Err(Error::PathStopped {

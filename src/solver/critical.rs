@@ -86,6 +86,9 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
             let margin = (R::lit(0.1 * accuracy) / (high - low)).smaller(R::lit(0.5));
             let share = share.larger(margin).smaller(R::one() - margin);
             let at = low + (high - low) * share;
+            // A tangent kept from another point leads astray at first, so far that points at hardly
+            // different lengths lie apart.
+            self.workspace.forget();
             let (_, load) = self.advance(at * whole)?;
             let equations = self.equations(load);
             let found = self
