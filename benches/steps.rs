@@ -93,8 +93,8 @@ struct Passing(Vec<f64>);
 
 impl Passing {
     fn new<const D: usize>(system: &System<f64, D>) -> Self {
-        // Registers reach three numbers beyond the end of a column.
-        let column = |(j, reach): (usize, &usize)| reach + 1 - j + 3;
+        // Four columns at a time begin with the row of the first.
+        let column = |(j, reach): (usize, &usize)| reach + 1 - j + j % 4;
         let columns = system.unknowns().profile().reach().iter().enumerate();
         Self(vec![1.0; columns.map(column).sum()])
     }
