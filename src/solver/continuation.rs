@@ -101,7 +101,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     }
 
     /// In how many directions the last equilibrium is unstable; `None` where the factorisation does
-    /// not tell (unsymmetric tangents).
+    /// not tell: of an unsymmetric tangent, and of one so near to singular that it had to be pivoted.
     pub fn unstable(&self) -> Option<usize> {
         self.stability.unstable
     }

@@ -34,7 +34,8 @@ pub struct Critical<R> {
     /// The critical direction, changes of all coordinates; the largest is 1 in natural sizes.
     pub shape: Vec<R>,
     /// In how many directions the path is unstable before and after the point; `None` where the
-    /// factorisation does not tell (unsymmetric tangents).
+    /// factorisation does not tell: of unsymmetric tangents, and of those so near to singular that they
+    /// had to be pivoted.
     pub unstable: [Option<usize>; 2],
 }
 

@@ -60,7 +60,8 @@ pub struct Path {
     /// First step, in units of what is prescribed; its sign is the first direction, that of the
     /// load factor for arc lengths.
     pub first: f64,
-    /// Longest step.
+    /// Longest step. It should be short against every loop of the path: what a step leaps over whole, to
+    /// an equilibrium that is as stable, no check notices.
     pub longest: f64,
     /// Shortest step: below it the path ends with an error.
     pub shortest: f64,
@@ -72,7 +73,8 @@ pub struct Path {
     /// Most points in one run to a target.
     pub points: usize,
     /// Share of a step to which limit and bifurcation points are located; `None` not to look for
-    /// them. They are seen by a change in the number of negative eigenvalues of the tangent; under
+    /// them. They are seen by a change in the number of negative eigenvalues of the tangent, and points
+    /// within one step are told as one, with the numbers before and after; under
     /// follower loads, whose tangent is unsymmetric, by a change of the sign of its determinant: two
     /// points within one step, or one at which two directions become critical, are then missed, and
     /// so is the onset of flutter, where no static equilibrium is critical.

@@ -13,7 +13,8 @@ pub enum Refresh {
     EverySolve,
     /// When the old one no longer reduces the residual fast enough to pay for its age.
     WhenSlow,
-    /// Once, at the first solve: how modified Newton fails, for comparison.
+    /// Once, at the first solve: how modified Newton fails, for comparison. Paths of equilibria form the
+    /// tangent at each of their points to tell its stability, and begin from there.
     Never,
 }
 
