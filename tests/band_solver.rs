@@ -43,16 +43,22 @@ fn beam(elements: usize, per_node: usize) -> Profile {
     .unwrap()
 }
 
-/// Symmetric random entries inside the profile, `diagonal` added.
-fn symmetric(profile: &Profile, diagonal: f64, random: &mut Random) -> BandMatrix<f64> {
+/// The symmetric matrix of these entries inside the profile, column by column from the diagonal on.
+fn of<R: Real>(profile: &Profile, mut entry: impl FnMut(usize, usize) -> R) -> BandMatrix<R> {
     let mut matrix = BandMatrix::symmetric(profile);
     for j in 0..profile.size() {
         for i in j..=profile.reach()[j] {
-            let value = random.next() + if i == j { diagonal } else { 0.0 };
-            matrix.add(i, j, value).unwrap();
+            matrix.add(i, j, entry(i, j)).unwrap();
         }
     }
     matrix
+}
+
+/// Symmetric random entries inside the profile, `diagonal` added.
+fn symmetric(profile: &Profile, diagonal: f64, random: &mut Random) -> BandMatrix<f64> {
+    of(profile, |i, j| {
+        random.next() + if i == j { diagonal } else { 0.0 }
+    })
 }
 
 fn dense<R: Real>(matrix: &BandMatrix<R>) -> DMatrix<f64> {
@@ -87,10 +93,14 @@ fn residual_in_units<R: Real>(matrix: &BandMatrix<R>, x: &[R], b: &[f64]) -> f64
     error / (R::EPSILON * floor)
 }
 
-fn solved(matrix: &BandMatrix<f64>, symmetric: bool, b: &DVector<f64>) -> (Vec<f64>, Factor<f64>) {
+fn solved<R: Real>(
+    matrix: &BandMatrix<R>,
+    symmetric: bool,
+    b: &DVector<f64>,
+) -> (Vec<R>, Factor<R>) {
     let mut factor = Factor::new(matrix.profile(), symmetric);
     factor.factor(matrix).unwrap();
-    let mut x: Vec<f64> = b.iter().copied().collect();
+    let mut x: Vec<R> = b.iter().map(|b| R::lit(*b)).collect();
     factor.solve(&mut x).unwrap();
     (x, factor)
 }
@@ -125,12 +135,7 @@ proptest! {
         let diagonal = 2.0 * longest as f64 + 1.0;
         let alone: Vec<_> = (0..8).map(|_| symmetric(&profile, diagonal, random)).collect();
         let b: Vec<_> = (0..8).map(|_| vector(size, random)).collect();
-        let mut matrix = BandMatrix::symmetric(&profile);
-        for j in 0..size {
-            for i in j..=profile.reach()[j] {
-                matrix.add(i, j, f64::pack(|lane| alone[lane].get(i, j))).unwrap();
-            }
-        }
+        let matrix = of(&profile, |i, j| f64::pack(|lane| alone[lane].get(i, j)));
         let packed = together(|| {
             let mut factor = Factor::new(&profile, true);
             factor.factor(&matrix).unwrap();
@@ -152,26 +157,15 @@ proptest! {
         let random = &mut Random(seed);
         let profile = varied(size, longest, random);
         let double = symmetric(&profile, 2.0 * longest as f64 + 1.0, random);
-        let mut matrix = BandMatrix::<f32>::symmetric(&profile);
-        for j in 0..size {
-            for i in j..=profile.reach()[j] {
-                matrix.add(i, j, double.get(i, j) as f32).unwrap();
-            }
-        }
+        let matrix = of(&profile, |i, j| double.get(i, j) as f32);
         let b = vector(size, random).map(|b| f64::from(b as f32));
-        let solution = |factor: &mut Factor<f32>| {
-            let mut x: Vec<f32> = b.iter().map(|&b| b as f32).collect();
-            factor.solve(&mut x).unwrap();
-            x
-        };
-        let mut factor = Factor::new(&profile, true);
-        factor.factor(&matrix).unwrap();
-        let x = solution(&mut factor);
+        let (x, factor) = solved(&matrix, true, &b);
         prop_assert!(residual_in_units(&matrix, &x, b.as_slice()) < 4.0);
         let mut copy = factor.clone();
-        prop_assert_eq!(&solution(&mut copy), &x);
-        copy.factor(&matrix.clone()).unwrap();
-        prop_assert_eq!(&solution(&mut copy), &x);
+        let mut y: Vec<_> = b.iter().map(|&b| b as f32).collect();
+        copy.solve(&mut y).unwrap();
+        prop_assert_eq!(&y, &x);
+        prop_assert_eq!(solved(&matrix.clone(), true, &b).0, x);
     }
 
     #[test]
@@ -328,17 +322,9 @@ fn indefinite_matrices_in_single_precision_are_solved_to_their_rounding() {
     let random = &mut Random(11);
     for diagonal in [0.0, 30.0] {
         let double = symmetric(&beam(5, 12), diagonal, random);
-        let mut matrix = BandMatrix::<f32>::symmetric(double.profile());
-        for i in 0..double.size() {
-            for j in double.profile().first()[i]..=i {
-                matrix.add(i, j, double.get(i, j) as f32).unwrap();
-            }
-        }
+        let matrix = of(double.profile(), |i, j| double.get(i, j) as f32);
         let b = vector(double.size(), random).map(|b| f64::from(b as f32));
-        let mut x: Vec<f32> = b.iter().map(|&b| b as f32).collect();
-        let mut factor = Factor::new(matrix.profile(), true);
-        factor.factor(&matrix).unwrap();
-        factor.solve(&mut x).unwrap();
+        let (x, _) = solved(&matrix, true, &b);
         assert!(residual_in_units(&matrix, &x, b.as_slice()) < 50.0);
     }
 }
@@ -353,14 +339,7 @@ fn duals_carry_the_derivative_of_the_solution() {
             symmetric(&beam(4, 12), 0.0, random),
         );
         let (b, db) = (vector(a.size(), random), vector(a.size(), random));
-        let mut matrix = BandMatrix::<Dual64>::symmetric(a.profile());
-        for i in 0..a.size() {
-            for j in a.profile().first()[i]..=i {
-                matrix
-                    .add(i, j, Dual64::new(a.get(i, j), da.get(i, j)))
-                    .unwrap();
-            }
-        }
+        let matrix = of(a.profile(), |i, j| Dual64::new(a.get(i, j), da.get(i, j)));
         let mut x: Vec<Dual64> = b
             .iter()
             .zip(&db)

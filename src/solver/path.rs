@@ -74,10 +74,10 @@ pub struct Path {
     pub points: usize,
     /// Share of a step to which limit and bifurcation points are located; `None` not to look for
     /// them. They are seen by a change in the number of negative eigenvalues of the tangent, and points
-    /// within one step are told as one, with the numbers before and after; under
-    /// follower loads, whose tangent is unsymmetric, by a change of the sign of its determinant: two
-    /// points within one step, or one at which two directions become critical, are then missed, and
-    /// so is the onset of flutter, where no static equilibrium is critical.
+    /// within one step are told as one, with the numbers before and after. Under follower loads, whose
+    /// tangent is unsymmetric, they are seen by a change of the sign of its determinant: two points
+    /// within one step, or one at which two directions become critical, are then missed, and so is the
+    /// onset of flutter, where no static equilibrium is critical.
     pub locate: Option<f64>,
     /// Newton's method at each point.
     pub newton: Newton,
