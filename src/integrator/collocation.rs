@@ -283,7 +283,7 @@ impl<R: Real> Method<R> for CollocationMethod<R> {
         Ok(solved)
     }
 
-    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         let step = self.step.unwrap_or(R::zero());
         let count = self.tableau.at.len();
         let [start, stages] = [&self.tableau.estimate[..1], &self.tableau.estimate[1..]];

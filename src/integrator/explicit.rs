@@ -217,7 +217,7 @@ impl<R: Real> Method<R> for CentralDifferenceMethod<R> {
         Ok(Solved::default())
     }
 
-    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         let share = self.step * self.step / R::lit(6.0);
         mean_squares(structure, &next.displacement, |i| {
             share * (next.acceleration[i] - now.acceleration[i])

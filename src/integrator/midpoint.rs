@@ -175,7 +175,7 @@ impl<R: Real> Method<R> for MidpointMethod<R> {
         Ok(solved)
     }
 
-    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         self.clock.error(structure, now, next)
     }
 

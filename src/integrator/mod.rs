@@ -95,7 +95,7 @@ pub trait Method<R: Real> {
 
     /// Local error of the displacements of the step just made and the size of the displacements,
     /// both root-mean-squares over the coordinates in their natural sizes.
-    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R);
+    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R);
 
     /// Shows the tape all that the next step depends on beside the state, so that a run can be
     /// saved and resumed: each number once, always in the same order.

@@ -154,12 +154,15 @@ impl<R: Real> Scheme<R> for Newmark {
         }
         let workspace = prepare(structure, state)?;
         let zeros = || vec![R::zero(); state.displacement.len()];
+        let weighs = self.alpha_m != 0.0 || self.alpha_f != 0.0;
+        let differs = weighs || !structure.multipliers().is_empty();
         Ok(NewmarkMethod {
             settings: *self,
             workspace,
-            auxiliary: [state.acceleration.clone(), zeros()],
-            predicted: zeros(),
+            auxiliary: differs.then(|| [state.acceleration.clone(), zeros()]),
             before: zeros(),
+            noted: None,
+            estimating: false,
             step_before: None,
             step: None,
         })
@@ -171,31 +174,51 @@ impl<R: Real> Scheme<R> for Newmark {
 pub struct NewmarkMethod<R> {
     settings: Newmark,
     workspace: Workspace<R>,
-    /// Auxiliary accelerations of the last step taken and of the last one tried.
-    auxiliary: [Vec<R>; 2],
-    /// Acceleration of equilibrium that belongs to the guess.
-    predicted: Vec<R>,
-    /// Acceleration one step earlier, and the length of that step.
+    /// Auxiliary accelerations of the last step taken and of the last one tried, where they differ from
+    /// those of equilibrium: where old ones have a weight, or constraints take a share of these.
+    auxiliary: Option<[Vec<R>; 2]>,
+    /// Acceleration one step earlier and the length of that step, where its error was estimated; whether
+    /// that of this one is.
     before: Vec<R>,
+    noted: Option<R>,
+    estimating: bool,
+    /// Length of the last step taken.
     step_before: Option<R>,
     /// Length of the last step tried, to which a kept tangent belongs.
     step: Option<R>,
 }
 
 elementwise! {
-    /// The auxiliary acceleration of constant ones, what it makes of the acceleration, and displacements.
-    Guess(ratio, share, alpha_f, step, half): [a, v, u, old] -> [new, predicted, guess] {
-        *new = a + ratio * (old - a);
-        *predicted = share * (*new - alpha_f * a);
-        *guess = u + (step * v + half * *new);
+    /// The acceleration, kept, and what it makes of displacements.
+    Guess(step, half): [a, v, u] -> [acceleration, guess] {
+        *acceleration = a;
+        *guess = u + (step * v + half * a);
     }
 }
 
 elementwise! {
     /// What a correction of displacements makes of accelerations and velocities.
-    Follow(rate, inertia, step, gamma): [moved, predicted, v] -> [new, acceleration, velocity] {
+    Follow(rate, step, gamma): [moved, v] -> [acceleration, velocity] {
         let change = rate * moved;
-        *acceleration = predicted + inertia * moved;
+        *velocity = v + step * (*acceleration + gamma * change);
+        *acceleration += change;
+    }
+}
+
+elementwise! {
+    /// The auxiliary acceleration of constant ones, what it makes of the acceleration, and displacements.
+    LaggingGuess(ratio, share, alpha_f, step, half): [a, v, u, old] -> [new, acceleration, guess] {
+        *new = a + ratio * (old - a);
+        *acceleration = share * (*new - alpha_f * a);
+        *guess = u + (step * v + half * *new);
+    }
+}
+
+elementwise! {
+    /// What a correction of displacements makes of either acceleration and of velocities.
+    LaggingFollow(rate, inertia, step, gamma): [moved, v] -> [new, acceleration, velocity] {
+        let change = rate * moved;
+        *acceleration += inertia * moved;
         *velocity = v + step * (*new + gamma * change);
         *new += change;
     }
@@ -221,25 +244,25 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let square = step * step;
         // The auxiliary acceleration lags by a share of the step: another step, another lag.
         let ratio = self.step_before.map_or(R::one(), |before| step / before);
-        let [old, new] = &mut self.auxiliary;
         // The guess is the motion with constant acceleration; each metre of correction then
         // changes the acceleration by 1 / (beta dt^2).
         let half = square * R::lit(0.5);
-        let guess = Guess {
-            ratio,
-            share,
-            alpha_f,
-            step,
-            half,
-        };
-        let known = [
-            &now.acceleration[..],
-            &now.velocity,
-            &now.displacement,
-            &old[..],
-        ];
-        let guessed = [&mut new[..], &mut self.predicted, &mut next.displacement];
-        guess.run(known, guessed);
+        let [a, v, u] = [&now.acceleration, &now.velocity, &now.displacement].map(|x| &x[..]);
+        let guessed = [&mut next.acceleration[..], &mut next.displacement];
+        match &mut self.auxiliary {
+            None => Guess { step, half }.run([a, v, u], guessed),
+            Some([old, new]) => {
+                let guess = LaggingGuess {
+                    ratio,
+                    share,
+                    alpha_f,
+                    step,
+                    half,
+                };
+                let [acceleration, guessed] = guessed;
+                guess.run([a, v, u, &old[..]], [&mut new[..], acceleration, guessed]);
+            }
+        }
         // The mass term of a kept tangent belongs to one step size only.
         if self.step != Some(step) {
             self.workspace.forget();
@@ -247,28 +270,34 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         }
         next.time = now.time + step;
         structure.impose(next.time, Rate::Displacement, &mut next.displacement)?;
-        structure.impose(next.time, Rate::Acceleration, &mut self.predicted)?;
+        structure.impose(next.time, Rate::Acceleration, &mut next.acceleration)?;
         let rate = R::one() / (beta * square);
         let inertia = share * (R::one() - alpha_m) * rate;
         let equations = Equations {
             time: next.time,
             factor: R::one(),
             rest: Rest::Nothing,
-            inertia: Some((inertia, &self.predicted)),
+            inertia: Some((inertia, &next.acceleration)),
         };
         let u = &mut next.displacement;
         let solved = self
             .workspace
             .solve(structure, &settings.newton, &equations, u)?;
-        let follow = Follow {
-            rate,
-            inertia,
-            step,
-            gamma,
-        };
-        let known = [self.workspace.moved(), &self.predicted, &now.velocity];
-        let following = [&mut new[..], &mut next.acceleration, &mut next.velocity];
-        follow.run(known, following);
+        let known = [self.workspace.moved(), v];
+        let following = [&mut next.acceleration[..], &mut next.velocity];
+        match &mut self.auxiliary {
+            None => Follow { rate, step, gamma }.run(known, following),
+            Some([_, new]) => {
+                let follow = LaggingFollow {
+                    rate,
+                    inertia,
+                    step,
+                    gamma,
+                };
+                let [acceleration, velocity] = following;
+                follow.run(known, [&mut new[..], acceleration, velocity]);
+            }
+        }
         structure.impose(next.time, Rate::Velocity, &mut next.velocity)?;
         self.workspace.settle(structure, next)?;
         let ends = Sample::ends(now, next);
@@ -276,10 +305,11 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         Ok(solved)
     }
 
-    fn error<S: Structure<R>>(&self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
+    fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R) {
         let Some(step) = self.step else {
             return (R::zero(), R::zero());
         };
+        self.estimating = true;
         // The lag of the auxiliary acceleration acts like a change of beta.
         let lag = self.settings.alpha_f - self.settings.alpha_m;
         let beta = R::lit(self.settings.beta - 0.5 * lag);
@@ -287,7 +317,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let weight = |factor: f64| R::lit(12.0) * beta - R::lit(factor);
         mean_squares(structure, &next.displacement, |i| {
             let jerk = (next.acceleration[i] - now.acceleration[i]) / step;
-            let (first, last) = match (self.settings.estimator, self.step_before) {
+            let (first, last) = match (self.settings.estimator, self.noted) {
                 (Estimator::LiZengWiberg, Some(step_before)) => {
                     let jerk_before = (now.acceleration[i] - self.before[i]) / step_before;
                     let change = (jerk - jerk_before) * step / (step + step_before);
@@ -301,17 +331,25 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
     }
 
     fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
-        for numbers in [&mut self.before, &mut self.auxiliary[0]] {
-            tape.numbers(numbers)?;
+        tape.numbers(&mut self.before)?;
+        if let Some([old, _]) = &mut self.auxiliary {
+            tape.numbers(old)?;
         }
+        tape.option(&mut self.noted)?;
         tape.option(&mut self.step_before)?;
         tape.option(&mut self.step)?;
         self.workspace.history(self.settings.newton.refresh, tape)
     }
 
     fn accept(&mut self, now: &State<R>, _next: &State<R>) {
-        self.before.copy_from_slice(&now.acceleration);
-        self.auxiliary.swap(0, 1);
+        let estimated = std::mem::take(&mut self.estimating);
+        if estimated {
+            self.before.copy_from_slice(&now.acceleration);
+        }
+        self.noted = self.step.filter(|_| estimated);
+        if let Some(auxiliary) = &mut self.auxiliary {
+            auxiliary.swap(0, 1);
+        }
         self.step_before = self.step;
     }
 }

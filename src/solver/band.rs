@@ -225,7 +225,7 @@ impl<R: Real> Factor<R> {
     /// done while the caches hold it.
     pub(super) fn back(&mut self, line: usize) -> &[R] {
         match (self.held, &mut self.ldlt) {
-            (Held::Ldlt, Some(ldlt)) => ldlt.back(&self.profile, line),
+            (Held::Ldlt, Some(ldlt)) => ldlt.back(line),
             _ => &[],
         }
     }
@@ -238,7 +238,7 @@ impl<R: Real> Factor<R> {
     pub fn solve(&mut self, x: &mut [R]) -> Result<()> {
         Error::check_length("right-hand side", x.len(), self.profile.size())?;
         match (self.held, &mut self.ldlt, &self.sparse, &mut self.lu) {
-            (Held::Ldlt, Some(ldlt), ..) => ldlt.solve(&self.profile, x),
+            (Held::Ldlt, Some(ldlt), ..) => ldlt.solve(x),
             (Held::Sparse, _, Some(sparse), _) => sparse.solve(x),
             (Held::Lu, .., Some(lu)) => lu.solve(&self.profile, x),
             _ => {
@@ -275,7 +275,7 @@ impl<R: Real> Factor<R> {
         self.held = Held::Nothing;
         match (ALL[held], &mut self.ldlt, &mut self.sparse) {
             (Held::Nothing, ..) => {}
-            (Held::Ldlt, Some(ldlt), _) => ldlt.history(self.profile.reach(), tape)?,
+            (Held::Ldlt, Some(ldlt), _) => ldlt.history(tape)?,
             (Held::Sparse, _, Some(sparse)) => sparse.history(tape)?,
             (Held::Lu, ..) => {
                 let lu = self.lu.get_or_insert_with(|| Lu::new(&self.profile));

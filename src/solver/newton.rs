@@ -96,8 +96,9 @@ pub(crate) struct Workspace<R> {
     scratch: Vec<R>,
     /// What projects rates onto the constraints; nothing without constraints.
     projection: Option<(Matrix<R>, Factor<R>)>,
-    /// Sum of the corrections of the last solve.
+    /// Sum of the corrections of the last solve, once there was one.
     moved: Vec<R>,
+    corrected: bool,
     /// Right-hand side and solution by unknowns.
     unknown: Vec<R>,
     /// Two more vectors by unknowns.
@@ -160,6 +161,7 @@ impl<R: Real> Workspace<R> {
                 (matrix, Factor::new(unknowns.profile(), true))
             }),
             moved: zeros(),
+            corrected: true,
             unknown: vec![R::zero(); unknowns.count()],
             rounded: vec![R::zero(); unknowns.count()],
             positions: vec![R::zero(); unknowns.count()],
@@ -269,7 +271,7 @@ impl<R: Real> Workspace<R> {
         self.loaded = self.lasts(&equations);
         self.measured = false;
         self.assembled = Assembled::Nothing;
-        self.moved.fill(R::zero());
+        self.corrected = false;
         if settings.refresh == Refresh::EverySolve {
             self.forget();
         }
@@ -517,6 +519,9 @@ impl<R: Real> Workspace<R> {
         u: &[R],
     ) -> Result<Option<R>> {
         self.find_changes(structure.unknowns());
+        if !std::mem::replace(&mut self.corrected, true) {
+            self.moved.fill(R::zero());
+        }
         self.fixed.clear();
         self.fixed.extend_from_slice(&self.scratch);
         self.scratch.fill(R::zero());

@@ -8,22 +8,6 @@ use super::Profile;
 /// Pivots eliminated together.
 pub(super) const PANEL: usize = 4;
 
-/// How many unknowns of equal `reach` go together with each one.
-pub(super) fn counts(reach: &[usize]) -> Vec<u8> {
-    let mut counts = vec![1; reach.len()];
-    let mut j = 0;
-    while j < reach.len() {
-        let alike = |count: usize| reach.get(j + count - 1) == Some(&reach[j]);
-        let count = [PANEL, 2]
-            .into_iter()
-            .find(|count| alike(*count))
-            .unwrap_or(1);
-        counts[j..j + count].fill(count as u8);
-        j += count;
-    }
-    counts
-}
-
 /// Numbers that a register of heavy work reaches at most beyond the end of a column.
 pub(super) const fn overrun<R>() -> usize {
     const BYTES: usize = 32;
@@ -33,26 +17,73 @@ pub(super) const fn overrun<R>() -> usize {
     }
 }
 
-/// Where the columns of a lower triangle start, at the diagonal, and where the last ends.
-pub(super) fn column_starts<R>(profile: &Profile) -> Vec<usize> {
-    let (reach, width) = (profile.reach(), overrun::<R>() + 1);
-    let counts = counts(reach);
-    let mut starts = Vec::with_capacity(reach.len() + 1);
-    let (mut j, mut end) = (0, 0);
-    while let Some(last) = reach.get(j) {
-        let count = usize::from(counts[j]);
-        let below = last + 1 - (j + count);
-        for p in 0..count {
-            // Rows above the diagonal in its register.
-            let above = p % width;
-            starts.push(end + above);
-            let own = count - (p - above);
-            // As pivots, columns are read from the panel's end on, before that from its start.
-            let padded = (own + below).next_multiple_of(width);
-            end += padded.max(own + below.next_multiple_of(width));
-        }
-        j += count;
+/// Unknowns in a row that are eliminated together, and where their columns lie.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Panel {
+    /// The first unknown.
+    pub(super) first: usize,
+    /// Rows below them that they are coupled to.
+    pub(super) below: usize,
+    /// Where the first column starts.
+    pub(super) at: usize,
+}
+
+impl Panel {
+    /// Numbers that lie between the starts of two of `count` columns, of which the first is `p`, and those
+    /// of the row above the second that are in its register.
+    #[inline(always)]
+    fn between<R>(self, count: usize, p: usize) -> usize {
+        let width = overrun::<R>() + 1;
+        let above = |p: usize| p % width;
+        let own = count - (p - above(p));
+        // As pivots, columns are read from the panel's end on, before that from its start.
+        let padded = (own + self.below).next_multiple_of(width);
+        let padded = padded.max(own + self.below.next_multiple_of(width));
+        padded - above(p) + above((p + 1) % count)
     }
-    starts.push(end);
+
+    /// Where each of its `P` columns starts.
+    #[inline(always)]
+    pub(super) fn starts<R, const P: usize>(self) -> [usize; P] {
+        let mut starts = [self.at; P];
+        for p in 1..P {
+            starts[p] = starts[p - 1] + self.between::<R>(P, p - 1);
+        }
+        starts
+    }
+}
+
+/// The panels of a lower triangle, and behind them where the last column ends.
+pub(super) fn panels<R>(profile: &Profile) -> Vec<Panel> {
+    let reach = profile.reach();
+    let (mut panels, mut first, mut at) = (Vec::new(), 0, 0);
+    while let Some(last) = reach.get(first) {
+        let alike = |count: &usize| reach.get(first + count - 1) == Some(last);
+        let count = [PANEL, 2].into_iter().find(alike).unwrap_or(1);
+        let below = last + 1 - (first + count);
+        let panel = Panel { first, below, at };
+        panels.push(panel);
+        at += (0..count)
+            .map(|p| panel.between::<R>(count, p))
+            .sum::<usize>();
+        first += count;
+    }
+    let below = 0;
+    panels.push(Panel { first, below, at });
+    panels
+}
+
+/// Where the columns of panels start, at the diagonal, and where the last ends.
+pub(super) fn column_starts<R>(panels: &[Panel]) -> Vec<usize> {
+    let mut starts = Vec::new();
+    for pair in panels.windows(2) {
+        let count = pair[1].first - pair[0].first;
+        let mut start = pair[0].at;
+        for p in 0..count {
+            starts.push(start);
+            start += pair[0].between::<R>(count, p);
+        }
+    }
+    starts.extend(panels.last().map(|end| end.at));
     starts
 }

@@ -7,7 +7,7 @@ mod solution;
 
 use super::aligned::Aligned;
 use super::blocks::SUMS;
-use super::columns::{PANEL, column_starts, counts, overrun};
+use super::columns::{PANEL, Panel, column_starts, overrun, panels};
 use super::{BandMatrix, Profile, ahead};
 use crate::error::Result;
 use crate::scalar::{LaneWork, Lanes, Real};
@@ -25,26 +25,22 @@ pub(in crate::solver) const GROWTH: f64 = 256.0;
 
 #[derive(Debug, Clone)]
 pub(super) struct Ldlt<R> {
-    /// Columns of `L` from the diagonal down, which itself is left out of use, where [`column_starts`]
-    /// has them start. Behind the last row of each are zeros, above its diagonal anything: registers
-    /// reach there.
+    /// Columns of `L` below the reciprocals of the pivots, where [`Panel`] has them start. Behind
+    /// the last row of each are zeros, above its diagonal anything: registers reach there.
     columns: Aligned<R>,
-    /// Where each column starts, and where the last ends.
-    starts: Vec<usize>,
-    /// How many unknowns are eliminated together with each one: their reach is the same, so that
-    /// they share their rows.
+    /// Unknowns that are eliminated together: their reach is the same, so that they share their rows.
+    panels: Vec<Panel>,
+    /// How many are eliminated together with each one.
     counts: Vec<u8>,
-    /// How many unknowns are eliminated, and how many columns that has touched.
+    /// How many panels are eliminated, and how many columns that has touched.
     done: usize,
     seen: usize,
     /// Whether a right-hand side is eliminated along with a matrix that is assembled.
     along: bool,
-    /// How many unknowns are still to be found from those behind them.
+    /// How many panels are still to be found from those behind them.
     behind: usize,
     /// The matrix's diagonal, as far as columns were touched.
     diagonal: Vec<R>,
-    /// Reciprocals of the pivots.
-    inverse: Vec<R>,
     /// Columns of the current pivots below them, before division by the pivot and with the other sign,
     /// zeros behind each.
     panel: Aligned<R>,
@@ -60,19 +56,23 @@ pub(super) struct Ldlt<R> {
 impl<R: Real> Ldlt<R> {
     pub(super) fn new(profile: &Profile) -> Self {
         let (size, half) = (profile.size(), profile.half_bandwidth());
-        let starts = column_starts::<R>(profile);
+        let panels = panels::<R>(profile);
+        let mut counts = Vec::with_capacity(size);
+        for pair in panels.windows(2) {
+            let count = pair[1].first - pair[0].first;
+            counts.resize(counts.len() + count, count as u8);
+        }
         let width = overrun::<R>() + 1;
         let room = half.next_multiple_of(width) + width;
         Self {
-            columns: Aligned::zero(starts[size]),
-            starts,
+            columns: Aligned::zero(panels[panels.len() - 1].at),
+            panels,
+            counts,
             done: 0,
             seen: 0,
             along: false,
             behind: 0,
             diagonal: vec![R::zero(); size],
-            counts: counts(profile.reach()),
-            inverse: vec![R::zero(); size],
             room,
             panel: Aligned::zero(PANEL * room),
             magnitude: vec![R::zero(); size],
@@ -89,17 +89,21 @@ impl<R: Real> Ldlt<R> {
         self.negative.at_most(R::zero()).all()
     }
 
-    pub(super) fn history(&mut self, reach: &[usize], tape: &mut Tape<R>) -> Result<()> {
+    pub(super) fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
         tape.number(&mut self.negative)?;
         // What lies between columns depends on the type of registers that they are made for, and a matrix
         // that could not be factorised leaves what is no number there.
-        for (j, last) in reach.iter().enumerate() {
-            let column = &mut self.columns[self.starts[j]..self.starts[j + 1]];
-            let (own, between) = column.split_at_mut(last + 1 - j);
-            tape.numbers(own)?;
-            between.fill(R::zero());
+        let starts = column_starts::<R>(&self.panels);
+        for pair in self.panels.windows(2) {
+            let end = pair[1].first + pair[0].below;
+            for j in pair[0].first..pair[1].first {
+                let column = &mut self.columns[starts[j]..starts[j + 1]];
+                let (own, between) = column.split_at_mut(end - j);
+                tape.numbers(own)?;
+                between.fill(R::zero());
+            }
         }
-        tape.numbers(&mut self.inverse)
+        Ok(())
     }
 
     /// Whether the matrix could be factorised stably; if not, it needs pivoting. A right-hand side `x` is
@@ -107,10 +111,10 @@ impl<R: Real> Ldlt<R> {
     pub(super) fn factor(&mut self, matrix: &BandMatrix<R>, x: Option<&mut [R]>) -> Result<bool> {
         let from = x.as_deref();
         self.begin(from.map(|x| |vector: &mut [R]| vector.copy_from_slice(x)));
-        let stable = self.go_on(matrix.profile(), Some(matrix), self.inverse.len());
+        let stable = self.go_on(matrix.starts(), Some(matrix), matrix.size());
         if let (Some(x), Ok(true)) = (x, &stable) {
-            self.behind = x.len();
-            x.copy_from_slice(self.back(matrix.profile(), 0));
+            self.turn();
+            x.copy_from_slice(self.back(0));
         }
         stable
     }
@@ -119,14 +123,14 @@ impl<R: Real> Ldlt<R> {
     /// from.
     fn go_on(
         &mut self,
-        profile: &Profile,
+        starts: &[usize],
         matrix: Option<&BandMatrix<R>>,
         lines: usize,
     ) -> Result<bool> {
         let mut vector = std::mem::take(&mut self.vector);
         let sound = R::dispatch(Factorisation {
             lines,
-            reach: profile.reach(),
+            starts,
             matrix,
             x: self.along.then_some(&mut vector[..]),
             ldlt: self,
@@ -156,7 +160,7 @@ impl<R: Real> Ldlt<R> {
         // What was written there before are factors.
         matrix.write_up_to(last);
         matrix.exchange(&mut self.columns);
-        let sound = self.go_on(matrix.profile(), None, lines);
+        let sound = self.go_on(matrix.starts(), None, lines);
         matrix.exchange(&mut self.columns);
         sound
     }
@@ -167,14 +171,19 @@ impl<R: Real> Ldlt<R> {
         matrix.exchange(&mut self.columns);
         matrix.clear();
         if self.along {
-            self.behind = self.inverse.len();
+            self.turn();
         }
     }
 
-    pub(super) fn solve(&mut self, profile: &Profile, x: &mut [R]) {
+    /// Turns to the way back.
+    fn turn(&mut self) {
+        self.behind = self.panels.len() - 1;
+    }
+
+    pub(super) fn solve(&mut self, x: &mut [R]) {
         self.load(|own| own.copy_from_slice(x));
-        self.behind = x.len();
-        x.copy_from_slice(self.way::<true>(profile, 0));
+        self.turn();
+        x.copy_from_slice(self.way::<true>(0));
     }
 
     pub(super) fn is_halfway(&self) -> bool {
@@ -183,41 +192,41 @@ impl<R: Real> Ldlt<R> {
 
     /// Finds the unknowns from the last down to `line` at least, as far as they are not found yet: those
     /// from `line` on are what comes back.
-    pub(super) fn back(&mut self, profile: &Profile, line: usize) -> &[R] {
-        self.way::<false>(profile, line)
+    pub(super) fn back(&mut self, line: usize) -> &[R] {
+        self.way::<false>(line)
     }
 
     /// Has a right-hand side written to where it is worked on.
     fn load(&mut self, load: impl FnOnce(&mut [R])) {
-        let (own, behind) = self.vector.split_at_mut(self.inverse.len());
+        let (own, behind) = self.vector.split_at_mut(self.diagonal.len());
         load(own);
         // Infinite forces leave what is no number there.
         behind.fill(R::zero());
     }
 
     /// Solves down to a line, with elimination (`FORWARD`) or after it.
-    fn way<const FORWARD: bool>(&mut self, profile: &Profile, line: usize) -> &[R] {
-        if self.behind > line {
+    fn way<const FORWARD: bool>(&mut self, line: usize) -> &[R] {
+        if self.panels[self.behind].first > line {
             let mut vector = std::mem::take(&mut self.vector);
             self.behind = R::dispatch(Solution::<_, FORWARD> {
                 ldlt: self,
-                reach: profile.reach(),
-                lines: line..self.behind,
+                line,
                 x: &mut vector,
             });
             self.vector = vector;
         }
-        &self.vector[line..self.inverse.len()]
+        &self.vector[line..self.diagonal.len()]
     }
 
     /// Magnitudes of the diagonal terms from row `j` on. Up to there all pivots were positive, so
     /// every term was subtracted with one sign and the magnitudes, which definite matrices need
     /// not keep, follow from the sums.
     fn find_magnitudes(&mut self, j: usize, matrix: &BandMatrix<R>) {
-        for i in j..self.inverse.len() {
+        let starts = matrix.starts();
+        for i in j..self.diagonal.len() {
             let start = matrix.diagonal(i);
             let now = if i < self.seen {
-                self.columns[self.starts[i]]
+                self.columns[starts[i]]
             } else {
                 start
             };
@@ -228,7 +237,8 @@ impl<R: Real> Ldlt<R> {
 
 struct Factorisation<'a, R> {
     ldlt: &'a mut Ldlt<R>,
-    reach: &'a [usize],
+    /// Where the columns start.
+    starts: &'a [usize],
     /// A matrix to factorise, if it is not in the columns already.
     matrix: Option<&'a BandMatrix<R>>,
     /// How many of its lines there are yet.
@@ -245,7 +255,7 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
     fn run<L: Lanes<R>>(self) -> Result<bool> {
         let Self {
             ldlt,
-            reach,
+            starts,
             matrix,
             lines,
             mut x,
@@ -254,34 +264,38 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
         assert!(fits, "registers of HEAVY work");
         let mut definite = true;
         // Of what is assembled piece by piece, the next piece is fetched while this one is eliminated.
-        let lines = lines.max(ldlt.done);
-        let piece = &ldlt.columns[ldlt.starts[ldlt.done]..ldlt.starts[lines]];
+        let mut j = ldlt.panels[ldlt.done].first;
+        let lines = lines.max(j);
+        let piece = &ldlt.columns[starts[j]..starts[lines]];
         let next = (matrix.is_none() && ahead::far(&ldlt.columns) && !ahead::far(piece))
-            .then_some(lines - ldlt.done);
-        while let Some(last) = reach.get(ldlt.done).copied().filter(|last| *last < lines) {
-            let j = ldlt.done;
+            .then_some(lines - j);
+        while let Some(behind) = ldlt.panels.get(ldlt.done + 1).map(|panel| panel.first) {
+            let panel = ldlt.panels[ldlt.done];
+            let (count, end) = (behind - j, behind + panel.below);
+            if end > lines {
+                break;
+            }
             // Columns are fetched just before their first use, while the cache still holds them.
-            while ldlt.seen <= last {
+            while ldlt.seen < end {
                 let i = ldlt.seen;
                 if let Some(matrix) = matrix {
-                    let (start, end) = (ldlt.starts[i], ldlt.starts[i + 1]);
-                    let target = &mut ldlt.columns[start..end];
-                    target.copy_from_slice(&matrix.line(i)[..end - start]);
+                    let target = &mut ldlt.columns[starts[i]..starts[i + 1]];
+                    target.copy_from_slice(&matrix.line(i)[..starts[i + 1] - starts[i]]);
                 }
-                ldlt.diagonal[i] = ldlt.columns[ldlt.starts[i]];
+                ldlt.diagonal[i] = ldlt.columns[starts[i]];
                 ldlt.seen += 1;
             }
-            let count = usize::from(ldlt.counts[j]);
             if let Some(next) = next
-                && let Some(soon) = ldlt.starts.get(j + next..=j + next + count)
+                && let Some(soon) = starts.get(j + next..=j + next + count)
             {
                 ahead::fetch(&ldlt.columns[soon[0]..soon[count]]);
             }
+            let starts = &starts[j..=end];
             loop {
                 let trusted = match count {
-                    PANEL => ldlt.eliminate::<L, PANEL>(j, last, matrix, definite),
-                    2 => ldlt.eliminate::<L, 2>(j, last, matrix, definite),
-                    _ => ldlt.eliminate::<L, 1>(j, last, matrix, definite),
+                    PANEL => ldlt.eliminate::<L, PANEL>(j, starts, matrix, definite),
+                    2 => ldlt.eliminate::<L, 2>(j, starts, matrix, definite),
+                    _ => ldlt.eliminate::<L, 1>(j, starts, matrix, definite),
                 };
                 match (trusted?, definite, matrix) {
                     (true, ..) => break,
@@ -292,12 +306,13 @@ impl<R: Real> LaneWork<R> for Factorisation<'_, R> {
             }
             if let Some(x) = &mut x {
                 match count {
-                    PANEL => ldlt.forward::<L, PANEL>(j, last, x),
-                    2 => ldlt.forward::<L, 2>(j, last, x),
-                    _ => ldlt.forward::<L, 1>(j, last, x),
+                    PANEL => ldlt.forward::<L, PANEL>(panel, x),
+                    2 => ldlt.forward::<L, 2>(panel, x),
+                    _ => ldlt.forward::<L, 1>(panel, x),
                 }
             }
-            ldlt.done += count;
+            ldlt.done += 1;
+            j = behind;
         }
         Ok(true)
     }

@@ -7,7 +7,7 @@ use num_traits::Signed;
 
 use super::aligned::Aligned;
 use super::blocks::SUMS;
-use super::columns::column_starts;
+use super::columns::{column_starts, panels};
 use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
@@ -40,7 +40,7 @@ impl<R: Real> BandMatrix<R> {
     /// Zero matrix that stores its lower triangle only.
     #[must_use]
     pub fn symmetric(profile: &Profile) -> Self {
-        Self::zero(profile, true, column_starts::<R>(profile))
+        Self::zero(profile, true, column_starts::<R>(&panels::<R>(profile)))
     }
 
     /// Zero matrix that stores both triangles.
@@ -139,6 +139,11 @@ impl<R: Real> BandMatrix<R> {
     /// Sets every entry to zero.
     pub fn clear(&mut self) {
         self.written = 0;
+    }
+
+    /// Where each line starts, and where the last ends.
+    pub(super) fn starts(&self) -> &[usize] {
+        &self.starts
     }
 
     /// Exchanges the storage for that of factors.

@@ -31,7 +31,8 @@ impl<R: Real> Workspace<R> {
         // What follows or is held acts across parts, and so do loads that are wanted whole.
         let by_parts = unknowns.in_order() && structure.multipliers().is_empty();
         let following = structure.has_following();
-        let mut correction = correcting.map(Correction::of);
+        let mut correction = correcting.map(|open| Correction::of(open, !self.corrected));
+        self.corrected |= correction.is_some();
         let mut due = correction.as_mut();
         if (following || !by_parts)
             && let Some(correction) = due.take()
@@ -86,6 +87,7 @@ impl<R: Real> Workspace<R> {
             scratch,
             factor,
             moved,
+            corrected,
             weights,
             per_size,
             ..
@@ -128,8 +130,12 @@ impl<R: Real> Workspace<R> {
             };
             open(inertia);
             let own = part.coordinates.clone();
-            let a = &mut acceleration[..own.len()];
-            Accelerations { rate }.run([&predicted[own.clone()], &moved[own]], [&mut *a]);
+            let mut a = &predicted[own.clone()];
+            if *corrected {
+                let corrected = &mut acceleration[..own.len()];
+                Accelerations { rate }.run([a, &moved[own]], [&mut *corrected]);
+                a = corrected;
+            }
             structure.add_mass_times_of(part, R::one(), a, &mut inertia[on]);
             unknowns.reduce_within(complete, window.start, inertia);
             let forces = [known, &internal[sums.clone()], &inertia[sums]];
@@ -284,18 +290,37 @@ const FAR: f64 = 1024.0;
 /// A correction of the lanes that are open, and its largest components in natural sizes.
 struct Correction<R> {
     open: Mask,
+    /// Whether nothing has moved before.
+    first: bool,
     largest: [R; PARTS],
 }
 
 impl<R: Real> Correction<R> {
-    fn of(open: Mask) -> Self {
+    fn of(open: Mask, first: bool) -> Self {
         let largest = [R::zero(); PARTS];
-        Self { open, largest }
+        Self {
+            open,
+            first,
+            largest,
+        }
     }
 
     /// Adds changes to some coordinates and to what these have moved.
-    fn make(&mut self, [u, moved]: [&mut [R]; 2], [changes, per_size]: [&[R]; 2]) {
-        let Self { open, largest } = self;
+    fn make(&mut self, coordinates: [&mut [R]; 2], changes: [&[R]; 2]) {
+        match self.first {
+            true => self.add(coordinates, changes, |_, du| du),
+            false => self.add(coordinates, changes, |moved, du| moved + du),
+        }
+    }
+
+    #[inline(always)]
+    fn add(
+        &mut self,
+        [u, moved]: [&mut [R]; 2],
+        [changes, per_size]: [&[R]; 2],
+        sum: impl Fn(R, R) -> R,
+    ) {
+        let Self { open, largest, .. } = self;
         R::dispatch(Loops(
             #[inline(always)]
             || {
@@ -306,7 +331,7 @@ impl<R: Real> Correction<R> {
                     for ((((u, moved), du), per_size), largest) in parts.zip(&mut *largest) {
                         let du = du.where_else(*open, R::zero());
                         *u += du;
-                        *moved += du;
+                        *moved = sum(*moved, du);
                         *largest = largest.larger((du * *per_size).abs());
                     }
                 }

@@ -110,6 +110,7 @@ impl<R: Real> Workspace<R> {
         state: &mut State<R>,
     ) -> Result<()> {
         self.moved.fill(R::zero());
+        self.corrected = true;
         let multipliers = structure.multipliers();
         if multipliers.is_empty() {
             return Ok(());

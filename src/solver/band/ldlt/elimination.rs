@@ -12,32 +12,29 @@ use crate::error::{Error, Result};
 use crate::scalar::{Lanes, Mask, Real};
 
 impl<R: Real> Ldlt<R> {
-    /// Eliminates the unknowns `j..j + P`, which are coupled up to row `last`. False if a pivot
-    /// cannot be trusted; the columns are then as before.
+    /// Eliminates the unknowns `j..j + P` from those that they are coupled to, whose columns start at
+    /// `starts`, the last of which is where they end. False if a pivot
+    /// cannot be trusted; the columns are then as before. Reciprocals replace the pivots.
     #[inline(always)]
     pub(super) fn eliminate<L: Lanes<R>, const P: usize>(
         &mut self,
         j: usize,
-        last: usize,
+        starts: &[usize],
         matrix: Option<&BandMatrix<R>>,
         definite: bool,
     ) -> Result<bool> {
         let Self {
             columns,
-            starts,
             counts,
             diagonal,
-            inverse,
             panel,
             room,
             magnitude,
             negative,
             ..
         } = self;
-        let starts = &starts[j..=last + 1];
-        let below = last + 1 - (j + P);
-        let (own, open) =
-            columns[starts[0]..starts[last + 1 - j]].split_at_mut(starts[P] - starts[0]);
+        let below = starts.len() - 1 - P;
+        let (own, open) = columns[starts[0]..starts[P + below]].split_at_mut(starts[P] - starts[0]);
         // Of every column of the panel the pivots, and what is below them.
         let mut triangle: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
         let mut scaled: [&mut [R]; P] = std::array::from_fn(|_| Default::default());
@@ -57,7 +54,7 @@ impl<R: Real> Ldlt<R> {
         // The least of what the pivots are above nothing and above rounding, and what tells whether all
         // of them are numbers.
         let (mut least, mut sum) = (R::one(), R::zero());
-        let (diagonal, inverse) = (&diagonal[j..j + P], &mut inverse[j..j + P]);
+        let diagonal = &diagonal[j..j + P];
         for p in 0..P {
             let pivot = first(pivots.before[p][p]);
             let noise = R::lit(NOISE * R::EPSILON) * diagonal[p];
@@ -78,7 +75,7 @@ impl<R: Real> Ldlt<R> {
             }
         }
         for p in 0..P {
-            inverse[p] = first(pivots.inverse[p]);
+            triangle[p][0] = first(pivots.inverse[p]);
             for i in p + 1..P {
                 triangle[p][i - p] = first(pivots.after[p][i]);
             }
@@ -134,7 +131,7 @@ impl<R: Real> Ldlt<R> {
             starts: &starts[P..],
             rows: below,
         }
-        .run::<L>(&counts[j + P..=last], open);
+        .run::<L>(&counts[j + P..][..below], open);
         Ok(true)
     }
 }

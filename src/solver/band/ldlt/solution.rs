@@ -1,11 +1,9 @@
 //! The ways through factors: forward, elimination from a right-hand side, and back, which finds the
 //! unknowns from the last to the first.
 
-use std::ops::Range;
-
 use super::super::ahead;
 use super::super::blocks::{SUMS, first_blocks, first_blocks_mut, products};
-use super::super::columns::{PANEL, overrun};
+use super::super::columns::{PANEL, Panel, overrun};
 use super::Ldlt;
 use crate::scalar::{LaneWork, Lanes, Real};
 use crate::tensor::array;
@@ -13,8 +11,9 @@ use crate::tensor::array;
 impl<R: Real> Ldlt<R> {
     /// Eliminates `P` unknowns from the right-hand side and divides them by their pivots.
     #[inline(always)]
-    pub(super) fn forward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (own, columns, below) = self.panel::<P>(j, last);
+    pub(super) fn forward<L: Lanes<R>, const P: usize>(&self, panel: Panel, x: &mut [R]) {
+        let (j, below) = (panel.first, panel.below);
+        let (own, columns) = self.columns_of::<P>(panel);
         let mut known = [R::zero(); P];
         for p in 0..P {
             known[p] = x[j + p];
@@ -40,14 +39,15 @@ impl<R: Real> Ldlt<R> {
             sum.store(rest[i].as_mut());
         }
         for p in 0..P {
-            x[j + p] = known[p] * self.inverse[j + p];
+            x[j + p] = known[p] * own[p][0];
         }
     }
 
     /// Finds `P` unknowns from those behind them.
     #[inline(always)]
-    fn backward<L: Lanes<R>, const P: usize>(&self, j: usize, last: usize, x: &mut [R]) {
-        let (own, columns, below) = self.panel::<P>(j, last);
+    fn backward<L: Lanes<R>, const P: usize>(&self, panel: Panel, x: &mut [R]) {
+        let (j, below) = (panel.first, panel.below);
+        let (own, columns) = self.columns_of::<P>(panel);
         let (x, behind) = x.split_at_mut(j + P);
         let mut parts = [[R::zero(); SUMS]; P];
         // As many columns at a time as there are registers for their sums.
@@ -70,29 +70,27 @@ impl<R: Real> Ldlt<R> {
         }
     }
 
-    /// The columns of the unknowns `j..j + P`, each from its diagonal down and all as long from the
-    /// first row below them on, and the number of rows up to `last`.
+    /// The columns of a panel, each from its diagonal down and all as long from the first row below the
+    /// panel on.
     #[inline(always)]
-    fn panel<const P: usize>(&self, j: usize, last: usize) -> ([&[R]; P], [&[R]; P], usize) {
-        let below = last + 1 - (j + P);
-        let starts = &self.starts[j..j + P];
-        let reached = below.next_multiple_of(overrun::<R>() + 1);
+    fn columns_of<const P: usize>(&self, panel: Panel) -> ([&[R]; P], [&[R]; P]) {
+        let starts = panel.starts::<R, P>();
+        let reached = panel.below.next_multiple_of(overrun::<R>() + 1);
         let (mut own, mut columns): ([&[R]; P], [&[R]; P]) = ([&[]; P], [&[]; P]);
         for p in 0..P {
             let column = &self.columns[starts[p]..];
             let (above, rest) = column.split_at(P - p);
             (own[p], columns[p]) = (above, &rest[..reached]);
         }
-        (own, columns, below)
+        (own, columns)
     }
 }
 
-/// Solution by the factors, after elimination from the right-hand side or with it (`FORWARD`), of some
-/// lines: the first that it found comes out.
+/// Solution by the factors, after elimination from the right-hand side or with it (`FORWARD`), of what is
+/// not found yet down to a line: how many panels are left comes out.
 pub(super) struct Solution<'a, R, const FORWARD: bool> {
     pub(super) ldlt: &'a Ldlt<R>,
-    pub(super) reach: &'a [usize],
-    pub(super) lines: Range<usize>,
+    pub(super) line: usize,
     pub(super) x: &'a mut [R],
 }
 
@@ -102,35 +100,30 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) -> usize {
-        let Self {
-            ldlt,
-            reach,
-            lines,
-            x,
-        } = self;
-        let mut j = if FORWARD { 0 } else { lines.end };
-        while j < lines.end {
-            let count = usize::from(ldlt.counts[j]);
-            match count {
-                PANEL => ldlt.forward::<L, PANEL>(j, reach[j], x),
-                2 => ldlt.forward::<L, 2>(j, reach[j], x),
-                _ => ldlt.forward::<L, 1>(j, reach[j], x),
+        let Self { ldlt, line, x } = self;
+        let panels = &ldlt.panels[..=ldlt.behind];
+        let count = |k: usize| panels[k + 1].first - panels[k].first;
+        let mut k = if FORWARD { 0 } else { ldlt.behind };
+        while k < ldlt.behind {
+            match count(k) {
+                PANEL => ldlt.forward::<L, PANEL>(panels[k], x),
+                2 => ldlt.forward::<L, 2>(panels[k], x),
+                _ => ldlt.forward::<L, 1>(panels[k], x),
             }
-            j += count;
+            k += 1;
         }
         let far = ahead::far(&ldlt.columns);
-        while j > lines.start {
-            let count = usize::from(ldlt.counts[j - 1]);
-            j -= count;
-            if far && let Some(soon) = j.checked_sub(ahead::COLUMNS) {
-                ahead::fetch(&ldlt.columns[ldlt.starts[soon]..ldlt.starts[soon + count]]);
+        while panels[k].first > line {
+            k -= 1;
+            if far && let Some(soon) = k.checked_sub(ahead::PANELS) {
+                ahead::fetch(&ldlt.columns[panels[soon].at..panels[soon + 1].at]);
             }
-            match count {
-                PANEL => ldlt.backward::<L, PANEL>(j, reach[j], x),
-                2 => ldlt.backward::<L, 2>(j, reach[j], x),
-                _ => ldlt.backward::<L, 1>(j, reach[j], x),
+            match count(k) {
+                PANEL => ldlt.backward::<L, PANEL>(panels[k], x),
+                2 => ldlt.backward::<L, 2>(panels[k], x),
+                _ => ldlt.backward::<L, 1>(panels[k], x),
             }
         }
-        j
+        k
     }
 }
