@@ -113,6 +113,14 @@ pub enum Error {
         /// Last residual over the force scale.
         residual: f64,
     },
+    /// A step along a path of equilibria came to one that does not follow the last.
+    #[error(
+        "the step left the path of equilibria ({reason}): take shorter steps (Path::first, Path::longest)"
+    )]
+    OffPath {
+        /// How that is seen.
+        reason: &'static str,
+    },
     /// No static equilibrium under the full load.
     #[error(
         "statics stopped at {reached:.4} of the load: beyond may lie a limit point or buckling, or the load is too large (check its unit); the state of the last equilibrium is kept. The last step tried, {step:.1e} of the load, failed because {cause}"
@@ -127,7 +135,7 @@ pub enum Error {
     },
     /// Path following stopped.
     #[error(
-        "the path of equilibria stopped at the load factor {factor}: the last equilibrium is kept; steps down to {step:.1e} failed because {cause}"
+        "the path of equilibria stopped at the load factor {factor}: the last equilibrium is kept; limit points stop Control::Load, and turning points Control::Coordinate: Control::Sphere passes both. Steps down to {step:.1e} failed because {cause}"
     )]
     PathStopped {
         /// Load factor of the last equilibrium.

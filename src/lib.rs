@@ -99,8 +99,8 @@ pub mod prelude {
         c_profile, i_profile, l_profile, t_profile,
     };
     pub use crate::solver::{
-        Continuation, Control, Criticality, Mode, Modes, Newton, Path, PathCheckpoint, PathPoint,
-        Refresh, Secant, State, Statics, Structure, Target,
+        Continuation, Control, Critical, Criticality, Mode, Modes, Newton, Path, PathCheckpoint,
+        PathPoint, PathRefusal, PathReport, Refresh, Secant, State, Statics, Structure, Target,
     };
 }
 

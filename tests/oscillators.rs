@@ -166,6 +166,9 @@ fn the_error_estimators_estimate_the_local_error() {
         method
             .advance(&structure, &start, &mut middle, first)
             .unwrap();
+        // Asked for at every step, as control does: what an estimate takes of the step before is kept then.
+        let (estimate, _) = method.error(&structure, &start, &middle);
+        assert!(estimate > 0.0);
         method.accept(&start, &middle);
         // From the exact state, so that the step's own error is seen.
         let middle = exact(1.0 + first);

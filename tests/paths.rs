@@ -184,6 +184,60 @@ fn lees_frame_snaps_back_along_its_reference() {
     }
 }
 
+/// A shallow arch loaded beside its crown goes through loop after loop until it has snapped, with loads that
+/// weigh far more than displacements in the arc length. No control turns back where a step leads over a limit
+/// point: both pass the same ten loops, each as unstable as it left the one before, and end stable.
+#[test]
+fn a_shallow_arch_unwinds_its_loops_under_every_arc_length() {
+    let rise = 0.2_f64;
+    let radius = (1.0 + rise * rise) / (2.0 * rise);
+    let half = (1.0 / radius).asin();
+    let steel = SaintVenantKirchhoff::<f64, 2>::isotropic(2.1e11, 0.3).unwrap();
+    let section = Rectangle::new(0.02, 0.02).unwrap();
+    let arch = Beam::new(Cable, section, EulerBernoulli::new(&steel)).curved(
+        2.0 * half * radius,
+        20,
+        move |s| {
+            let (sin, cos) = (half * (2.0 * s - 1.0)).sin_cos();
+            let x = [radius * sin, radius * (cos - half.cos())];
+            (x, [[cos, -sin], [sin, cos]])
+        },
+    );
+    let mut scene = Scene::<f64, 2>::new();
+    let arch = scene.add(arch).unwrap();
+    scene.pin(arch.start()).unwrap();
+    scene.pin(arch.end()).unwrap();
+    scene.force(arch.node(11), [0.0, -1e5]).unwrap();
+    let system = scene.assemble().unwrap();
+    let below = system
+        .coordinate(arch.node(11), NodalVector::Position)
+        .unwrap()
+        + 1;
+    let loops = [Control::Sphere, Control::Plane].map(|control| {
+        let settings = Path {
+            points: 1000,
+            ..Path::by(control, 0.02)
+        };
+        let mut path = Continuation::start(&system, system.rest(), 0.0, &settings).unwrap();
+        path.until(Target::Coordinate(below, -0.44), |_| {})
+            .unwrap();
+        assert_eq!(path.unstable(), Some(0), "{control:?}");
+        path.criticals()
+            .iter()
+            .map(|c| (c.factor, c.unstable))
+            .collect::<Vec<_>>()
+    });
+    assert_eq!(loops[0].len(), 20);
+    assert_eq!(loops[1].len(), 20);
+    let mut unstable = Some(0);
+    for ((sphere, counts), (plane, same)) in loops[0].iter().zip(&loops[1]) {
+        assert!((sphere - plane).abs() < 1e-4, "{sphere} {plane}");
+        assert_eq!(counts, same);
+        assert_eq!(counts[0], unstable);
+        unstable = counts[1];
+    }
+}
+
 /// A clamped strut of length and bending stiffness 1 under its Euler load and a force across.
 fn strut(across: f64) -> (System<f64, 2>, Node) {
     let mut scene = Scene::<f64, 2>::new();
@@ -343,11 +397,12 @@ fn paths_that_make_no_sense_are_refused() {
         path.map(|_| ()).unwrap_err()
     };
     let usual = Path::default();
-    let first = f64::NAN;
-    assert!(matches!(
-        start(Path { first, ..usual }),
-        Error::NotPositive { .. }
-    ));
+    for first in [f64::NAN, 0.0] {
+        assert!(matches!(
+            start(Path { first, ..usual }),
+            Error::OutOfRange { .. }
+        ));
+    }
     let longest = 0.0;
     assert!(matches!(
         start(Path { longest, ..usual }),

@@ -280,7 +280,10 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             }
             Ok(_)
             | Err(
-                Error::Unconverged { .. } | Error::Mechanism { .. } | Error::StiffnessLost { .. },
+                Error::Unconverged { .. }
+                | Error::OffPath { .. }
+                | Error::Mechanism { .. }
+                | Error::StiffnessLost { .. },
             ) => {
                 // The point before the last is mirrored, so that the direction stays.
                 if let Some((before, from)) = &mut self.before {
@@ -357,6 +360,26 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         Ok(())
     }
 
+    /// Whether the path goes on from the displacements tried as it came, by the tangent just factorised
+    /// there. Displacements alone tell of that, too: where there are loads they change all along a path, and
+    /// where the load's change weighs more than theirs, a step over a limit point may look like none.
+    fn check_heading(&mut self, factor: R) -> Result<()> {
+        let arc = matches!(self.settings.control, Control::Sphere | Control::Plane);
+        if !(arc && self.workspace.factored()) {
+            return Ok(());
+        }
+        let (time, weight) = (self.state.time, self.settings.load_weight);
+        let growth = self.workspace.find_growth(self.structure, time, &self.u)?;
+        let (u, here) = (&self.u, &self.state.displacement);
+        let along = mean(self.structure, |i| (u[i] - here[i]) * growth[i]);
+        let change = R::lit(weight * weight) * (factor - self.factor);
+        if along * (along + change) < R::zero() {
+            let reason = "it turns within the step, or another one was met";
+            return Err(Error::OffPath { reason });
+        }
+        Ok(())
+    }
+
     /// Makes the displacements tried the last point.
     fn keep(&mut self, factor: R) -> Result<()> {
         let was = self.stability;
@@ -364,6 +387,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let now = self
             .workspace
             .stability(self.structure, &equations, &self.u)?;
+        self.check_heading(factor)?;
         if let Some(locate) = self.settings.locate
             && was.differs(now).is_some()
         {
@@ -483,11 +507,8 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let back = ahead * first < R::zero();
         let off = ahead * ahead < R::lit(0.5) * moved * slope;
         if slope > R::zero() && (beyond || back || off) {
-            return Err(Error::Unconverged {
-                reason: "the path bends too much, or another one was met",
-                iterations: solved.0.iterations,
-                residual: solved.0.residual,
-            });
+            let reason = "it bends too much within the step, or another one was met";
+            return Err(Error::OffPath { reason });
         }
         Ok(solved)
     }

@@ -54,7 +54,7 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
     /// the count of negative eigenvalues keeps, or under follower loads the sign of the determinant.
     ///
     /// # Errors
-    /// [`Error::Unconverged`] when the two points are not of one path: brackets close in a jump.
+    /// [`Error::OffPath`] when the two points are not of one path: brackets close in a jump.
     pub(super) fn locate(
         &mut self,
         accuracy: f64,
@@ -113,11 +113,8 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
             }
             let gap = high - low;
             if gap.value() < 0.1 && self.apart(&ends) > R::lit(10.0) * gap * step {
-                return Err(Error::Unconverged {
-                    reason: "the step jumped to another path",
-                    iterations: attempt,
-                    residual: 0.0,
-                });
+                let reason = "it jumped to another one";
+                return Err(Error::OffPath { reason });
             }
             if gap.value() <= accuracy || value.is_zero() {
                 break;
@@ -151,7 +148,7 @@ impl<R: Real, S: Structure<R>> Continuation<'_, R, S> {
     /// largest change in natural sizes; the sign chooses the side), onto the branch found there.
     ///
     /// # Errors
-    /// [`Error::Unconverged`] when no other branch is near: try another amplitude; the last
+    /// [`Error::Unconverged`] or [`Error::OffPath`] when no other branch is near: try another amplitude; the last
     /// equilibrium is kept. [`Error::NotPositive`] for an amplitude of zero or not finite,
     /// [`Error::Length`] for a point of another structure.
     pub fn switch(&mut self, critical: &Critical<R>, amplitude: R) -> Result<()> {

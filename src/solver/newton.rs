@@ -371,7 +371,9 @@ impl<R: Real> Workspace<R> {
             if let Some(choice) = &mut choice {
                 let change = self.load_change(structure, &equations, *choice, u)?;
                 equations.factor += change.ok_or_else(|| {
-                    self.unconverged(solved, "the step leads to no point of the path")
+                    self.give_up();
+                    let reason = "no change of the load leads to a point of it";
+                    Error::OffPath { reason }
                 })?;
                 self.loaded = false;
             }
@@ -380,9 +382,14 @@ impl<R: Real> Workspace<R> {
         }
     }
 
-    fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
+    /// Forgets all that a solve that failed may have led astray.
+    fn give_up(&mut self) {
         self.forget();
         self.force = R::zero();
+    }
+
+    fn unconverged(&mut self, solved: Solved, reason: &'static str) -> Error {
+        self.give_up();
         Error::Unconverged {
             reason,
             iterations: solved.iterations,
@@ -509,6 +516,21 @@ impl<R: Real> Workspace<R> {
         solve_by(solve, unknowns, &mut self.unknown, &mut self.scratch)
     }
 
+    /// The changes of all coordinates, in `scratch`, that a load factor larger by one brings by the tangent
+    /// last factorised.
+    pub(crate) fn find_growth<S: Structure<R> + ?Sized>(
+        &mut self,
+        structure: &S,
+        time: R,
+        u: &[R],
+    ) -> Result<&[R]> {
+        self.scratch.fill(R::zero());
+        add_growing(structure, time, u, &mut self.scratch)?;
+        structure.unknowns().reduce(&mut self.scratch);
+        self.solve_linear(structure.unknowns())?;
+        Ok(&self.scratch)
+    }
+
     /// The change of the load factor that goes with the correction in `scratch`, to which what that
     /// change brings is added.
     fn load_change<S: Structure<R> + ?Sized>(
@@ -524,10 +546,7 @@ impl<R: Real> Workspace<R> {
         }
         self.fixed.clear();
         self.fixed.extend_from_slice(&self.scratch);
-        self.scratch.fill(R::zero());
-        add_growing(structure, equations.time, u, &mut self.scratch)?;
-        structure.unknowns().reduce(&mut self.scratch);
-        self.solve_linear(structure.unknowns())?;
+        self.find_growth(structure, equations.time, u)?;
         let change = choice(&Changes {
             moved: &self.moved,
             residual: &self.fixed,

@@ -114,7 +114,14 @@ impl Path {
 
     pub(super) fn check(&self, coordinates: usize) -> Result<()> {
         self.newton.check()?;
-        positive("first step of a path", self.first.abs())?;
+        if self.first == 0.0 || !self.first.is_finite() {
+            return Err(Error::OutOfRange {
+                what: "first step of a path",
+                value: self.first,
+                range: "finite numbers but 0",
+                remedy: "its sign is the first direction",
+            });
+        }
         positive("longest step of a path", self.longest)?;
         positive("shortest step of a path", self.shortest)?;
         if !(self.load_weight >= 0.0 && self.load_weight.is_finite()) {
