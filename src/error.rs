@@ -115,7 +115,7 @@ pub enum Error {
     },
     /// A step along a path of equilibria came to one that does not follow the last.
     #[error(
-        "the step left the path of equilibria ({reason}): take shorter steps (Path::first, Path::longest)"
+        "the step left the path of equilibria ({reason}): take shorter steps (Path::first, Path::longest, Path::shortest) or, onto a branch, another amplitude"
     )]
     OffPath {
         /// How that is seen.
@@ -135,7 +135,7 @@ pub enum Error {
     },
     /// Path following stopped.
     #[error(
-        "the path of equilibria stopped at the load factor {factor}: the last equilibrium is kept; limit points stop Control::Load, and turning points Control::Coordinate: Control::Sphere passes both. Steps down to {step:.1e} failed because {cause}"
+        "the path of equilibria stopped at the load factor {factor}: the last equilibrium is kept; under Control::Load it ends at a limit point, under Control::Coordinate where that turns, which Control::Sphere passes. Steps down to {step:.1e} failed because {cause}"
     )]
     PathStopped {
         /// Load factor of the last equilibrium.

@@ -94,9 +94,8 @@ pub trait Method<R: Real> {
     ) -> Result<Solved>;
 
     /// Local error of the displacements of the step just made and the size of the displacements,
-    /// both root-mean-squares over the coordinates in their natural sizes. Methods keep what the next
-    /// estimate takes of this step where it is asked for: after one that was not estimated, it is as rough
-    /// as that of a first step.
+    /// both root-mean-squares over the coordinates in their natural sizes. Ask for it at every step:
+    /// methods may keep what the next estimate takes of this one only then.
     fn error<S: Structure<R>>(&mut self, structure: &S, now: &State<R>, next: &State<R>) -> (R, R);
 
     /// Shows the tape all that the next step depends on beside the state, so that a run can be

@@ -14,7 +14,8 @@ use crate::solver::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Estimator {
     /// Li, Zeng and Wiberg (1993), the paper's choice: the exact third-order terms for a jerk that
-    /// varies linearly over this step and the last.
+    /// varies linearly over this step and the last, as long as errors are estimated in both; else as the
+    /// other estimator.
     #[default]
     LiZengWiberg,
     /// Zienkiewicz and Xie (1991): `(beta - 1/6) dt^2 (a_{n+1} - a_n)`.
@@ -177,8 +178,8 @@ pub struct NewmarkMethod<R> {
     /// Auxiliary accelerations of the last step taken and of the last one tried, where they differ from
     /// those of equilibrium: where old ones have a weight, or constraints take a share of these.
     auxiliary: Option<[Vec<R>; 2]>,
-    /// Acceleration one step earlier and the length of that step, where its error was estimated; whether
-    /// that of this one is.
+    /// Acceleration one step earlier and the length of that step, where the estimate of its error asks for
+    /// them in the next; whether that of this step does.
     before: Vec<R>,
     noted: Option<R>,
     estimating: bool,
@@ -309,7 +310,7 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
         let Some(step) = self.step else {
             return (R::zero(), R::zero());
         };
-        self.estimating = true;
+        self.estimating = self.settings.estimator == Estimator::LiZengWiberg;
         // The lag of the auxiliary acceleration acts like a change of beta.
         let lag = self.settings.alpha_f - self.settings.alpha_m;
         let beta = R::lit(self.settings.beta - 0.5 * lag);
@@ -331,11 +332,14 @@ impl<R: Real> Method<R> for NewmarkMethod<R> {
     }
 
     fn history(&mut self, tape: &mut Tape<R>) -> Result<()> {
-        tape.numbers(&mut self.before)?;
         if let Some([old, _]) = &mut self.auxiliary {
             tape.numbers(old)?;
         }
         tape.option(&mut self.noted)?;
+        if self.noted.is_some() {
+            tape.numbers(&mut self.before)?;
+        }
+        tape.flag(&mut self.estimating)?;
         tape.option(&mut self.step_before)?;
         tape.option(&mut self.step)?;
         self.workspace.history(self.settings.newton.refresh, tape)

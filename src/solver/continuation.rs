@@ -318,7 +318,14 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             .workspace
             .stability(self.structure, &equations, &self.u)?;
         let mut ends = [self.was, self.stability].into_iter();
-        Ok(ends.any(|end| end.differs(found).is_none()))
+        if ends.all(|end| end.differs(found).is_some()) {
+            return Ok(false);
+        }
+        let Some((before, from)) = &self.before else {
+            return Ok(false);
+        };
+        subtract([&self.u, before], &mut self.spare);
+        self.goes_on(factor - *from)
     }
 
     pub(super) fn equations(&self, factor: R) -> Equations<'static, R> {
@@ -360,24 +367,22 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         Ok(())
     }
 
-    /// Whether the path goes on from the displacements tried as it came, by the tangent just factorised
-    /// there. Displacements alone tell of that, too: where there are loads they change all along a path, and
-    /// where the load's change weighs more than theirs, a step over a limit point may look like none.
-    fn check_heading(&mut self, factor: R) -> Result<()> {
+    /// Whether a path that came to the displacements tried by the changes in `spare` and of the load goes on
+    /// as it came, by the tangent just factorised there. Displacements tell of that, which change all along a path under dead
+    /// loads: where the load's change weighs more than theirs, a step over a limit point may look like none.
+    fn goes_on(&mut self, change: R) -> Result<bool> {
+        let weight = R::lit(self.settings.load_weight * self.settings.load_weight);
         let arc = matches!(self.settings.control, Control::Sphere | Control::Plane);
-        if !(arc && self.workspace.factored()) {
-            return Ok(());
+        if !arc || weight.is_zero() || !self.workspace.factored() {
+            return Ok(true);
         }
-        let (time, weight) = (self.state.time, self.settings.load_weight);
+        let time = self.state.time;
         let growth = self.workspace.find_growth(self.structure, time, &self.u)?;
-        let (u, here) = (&self.u, &self.state.displacement);
-        let along = mean(self.structure, |i| (u[i] - here[i]) * growth[i]);
-        let change = R::lit(weight * weight) * (factor - self.factor);
-        if along * (along + change) < R::zero() {
-            let reason = "it turns within the step, or another one was met";
-            return Err(Error::OffPath { reason });
-        }
-        Ok(())
+        let along = mean(self.structure, |i| self.spare[i] * growth[i]);
+        let turned = along * (along + weight * change) < R::zero();
+        // Of steps so short that rounding is all they are, the tangent where they started knows more.
+        let against = mean(self.structure, |i| self.tangent[i] * growth[i]) < R::zero();
+        Ok(!(turned && against))
     }
 
     /// Makes the displacements tried the last point.
@@ -387,7 +392,11 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let now = self
             .workspace
             .stability(self.structure, &equations, &self.u)?;
-        self.check_heading(factor)?;
+        subtract([&self.u, &self.state.displacement], &mut self.spare);
+        if !self.goes_on(factor - self.factor)? {
+            let reason = "it turns within the step, or another one was met";
+            return Err(Error::OffPath { reason });
+        }
         if let Some(locate) = self.settings.locate
             && was.differs(now).is_some()
         {
@@ -511,6 +520,12 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
             return Err(Error::OffPath { reason });
         }
         Ok(solved)
+    }
+}
+
+fn subtract<R: Real>([a, b]: [&[R]; 2], difference: &mut [R]) {
+    for (difference, (a, b)) in difference.iter_mut().zip(a.iter().zip(b)) {
+        *difference = *a - *b;
     }
 }
 

@@ -96,7 +96,8 @@ pub(crate) struct Workspace<R> {
     scratch: Vec<R>,
     /// What projects rates onto the constraints; nothing without constraints.
     projection: Option<(Matrix<R>, Factor<R>)>,
-    /// Sum of the corrections of the last solve, once there was one.
+    /// Sum of the corrections of the last solve, once there was one, and whether there was: before that it
+    /// is taken for zero, whatever it holds.
     moved: Vec<R>,
     corrected: bool,
     /// Right-hand side and solution by unknowns.

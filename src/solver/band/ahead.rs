@@ -10,8 +10,8 @@ const CACHE: usize = 1 << 19;
 /// Bytes of a line of the caches.
 pub(super) const LINE: usize = 64;
 
-/// Panels of columns between what is read and what is asked for: memory takes as long as some elements do.
-pub(super) const PANELS: usize = 16;
+/// Columns between what is read and what is asked for: memory takes as long as some elements do.
+pub(super) const COLUMNS: usize = 64;
 /// The same in bytes, where lines are written.
 pub(super) const BYTES: usize = 1 << 13;
 

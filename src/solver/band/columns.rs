@@ -70,12 +70,13 @@ pub(super) fn panels<R>(profile: &Profile) -> Vec<Panel> {
     }
     let below = 0;
     panels.push(Panel { first, below, at });
+    panels.shrink_to_fit();
     panels
 }
 
 /// Where the columns of panels start, at the diagonal, and where the last ends.
 pub(super) fn column_starts<R>(panels: &[Panel]) -> Vec<usize> {
-    let mut starts = Vec::new();
+    let mut starts = Vec::with_capacity(panels[panels.len() - 1].first + 1);
     for pair in panels.windows(2) {
         let count = pair[1].first - pair[0].first;
         let mut start = pair[0].at;
@@ -84,6 +85,6 @@ pub(super) fn column_starts<R>(panels: &[Panel]) -> Vec<usize> {
             start += pair[0].between::<R>(count, p);
         }
     }
-    starts.extend(panels.last().map(|end| end.at));
+    starts.push(panels[panels.len() - 1].at);
     starts
 }

@@ -32,7 +32,6 @@ impl<R: Real> Workspace<R> {
         let by_parts = unknowns.in_order() && structure.multipliers().is_empty();
         let following = structure.has_following();
         let mut correction = correcting.map(|open| Correction::of(open, !self.corrected));
-        self.corrected |= correction.is_some();
         let mut due = correction.as_mut();
         if (following || !by_parts)
             && let Some(correction) = due.take()
@@ -40,10 +39,12 @@ impl<R: Real> Workspace<R> {
             self.find_changes(unknowns);
             let changes = [&self.scratch[..], &self.per_size];
             correction.make([u, &mut self.moved], changes);
+            self.corrected = true;
         }
         if !self.loaded || following {
             self.load(structure, equations, u)?;
         }
+        self.corrected |= due.is_some();
         // As long as no force is known, the loads tell of the unit: most often rightly.
         let none = self.force.at_most(R::zero());
         if !self.measured && none.any() {

@@ -113,10 +113,20 @@ impl<R: Real, const FORWARD: bool> LaneWork<R> for Solution<'_, R, FORWARD> {
             k += 1;
         }
         let far = ahead::far(&ldlt.columns);
+        // Panels from `soon` on are asked for.
+        let next = |soon: usize, k: usize| {
+            let soon = soon.checked_sub(1)?;
+            (panels[soon].first + ahead::COLUMNS > panels[k].first).then_some(soon)
+        };
+        let mut soon = k;
+        while let Some(asked) = next(soon, k) {
+            soon = asked;
+        }
         while panels[k].first > line {
             k -= 1;
-            if far && let Some(soon) = k.checked_sub(ahead::PANELS) {
-                ahead::fetch(&ldlt.columns[panels[soon].at..panels[soon + 1].at]);
+            while far && let Some(asked) = next(soon, k) {
+                ahead::fetch(&ldlt.columns[panels[asked].at..panels[asked + 1].at]);
+                soon = asked;
             }
             match count(k) {
                 PANEL => ldlt.backward::<L, PANEL>(panels[k], x),
