@@ -164,6 +164,32 @@ fn steps_under_error_control() {
     assert!(report.rejected > 0, "{report:?}");
 }
 
+/// What a step that was refused leaves behind goes on, too: here that its error was asked for, which the
+/// estimate of the next takes for granted.
+#[test]
+fn a_run_that_failed_under_error_control() {
+    let (system, rest) = falling();
+    let scheme = Newmark::trapezoidal();
+    let mut run = Integration::start(&system, rest, &scheme).unwrap();
+    run.step(1e-3).unwrap();
+    let hopeless = Adaptive {
+        first: 1e-3,
+        shortest: 1e-3,
+        ..Adaptive::to(1e-14)
+    };
+    run.until(0.05, Stepping::Adaptive(hopeless), |_| {})
+        .unwrap_err();
+    let kept = filed(run.checkpoint().unwrap());
+    let resumed = Integration::resume(&system, &kept, &scheme).unwrap();
+    let ends = [run, resumed].map(|mut run| {
+        run.step(1e-3).unwrap();
+        let control = Stepping::Adaptive(Adaptive::to(1e-6));
+        run.until(0.05, control, |_| {}).unwrap();
+        (bits(run.state()), run.report())
+    });
+    assert_eq!(ends[0], ends[1]);
+}
+
 #[test]
 fn steps_below_the_stability_limit() {
     let scheme = CentralDifference { renewal: 5 };
