@@ -368,8 +368,9 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
     }
 
     /// Whether a path that came to the displacements tried by the changes in `spare` and of the load goes on
-    /// as it came, by the tangent just factorised there. Displacements tell of that, which change all along a path under dead
-    /// loads: where the load's change weighs more than theirs, a step over a limit point may look like none.
+    /// as it came, by the tangent just factorised there. Displacements tell of that, which change all along
+    /// a path under dead loads: where the load's change weighs more than theirs, a step over a limit point
+    /// may look like none.
     fn goes_on(&mut self, change: R) -> Result<bool> {
         let weight = R::lit(self.settings.load_weight * self.settings.load_weight);
         let arc = matches!(self.settings.control, Control::Sphere | Control::Plane);
