@@ -222,6 +222,8 @@ fn a_shallow_arch_unwinds_its_loops_under_every_arc_length() {
         path.until(Target::Coordinate(below, -0.44), |_| {})
             .unwrap();
         assert_eq!(path.unstable(), Some(0), "{control:?}");
+        let mut refused = path.refusals().iter();
+        assert!(refused.any(|refused| matches!(refused.cause, Error::OffPath { .. })));
         path.criticals()
             .iter()
             .map(|c| (c.factor, c.unstable))

@@ -367,14 +367,22 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         Ok(())
     }
 
+    /// Weight of squares of the load's change beside those of displacements. A jump shows in the latter: the
+    /// load is no part of it where it is prescribed.
+    fn load_weight(&self) -> R {
+        match self.settings.control {
+            Control::Sphere | Control::Plane => R::lit(self.settings.load_weight.powi(2)),
+            Control::Load | Control::Coordinate(_) => R::zero(),
+        }
+    }
+
     /// Whether a path that came to the displacements tried by the changes in `spare` and of the load goes on
     /// as it came, by the tangent just factorised there. Displacements tell of that, which change all along
     /// a path under dead loads: where the load's change weighs more than theirs, a step over a limit point
     /// may look like none.
     fn goes_on(&mut self, change: R) -> Result<bool> {
-        let weight = R::lit(self.settings.load_weight * self.settings.load_weight);
-        let arc = matches!(self.settings.control, Control::Sphere | Control::Plane);
-        if !arc || weight.is_zero() || !self.workspace.factored() {
+        let weight = self.load_weight();
+        if weight.is_zero() || !self.workspace.factored() {
             return Ok(true);
         }
         let time = self.state.time;
@@ -426,7 +434,7 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
 
     /// Tries a step of this size from the last point into `u`; returns its load factor.
     pub(super) fn advance(&mut self, step: R) -> Result<(Solved, R)> {
-        let equations = self.equations(self.factor);
+        let (equations, weight) = (self.equations(self.factor), self.load_weight());
         let Self {
             structure,
             settings,
@@ -441,12 +449,6 @@ impl<'a, R: Real, S: Structure<R>> Continuation<'a, R, S> {
         let (structure, newton) = (*structure, &settings.newton);
         u.copy_from_slice(&state.displacement);
         let here = &state.displacement;
-        let arc = matches!(settings.control, Control::Sphere | Control::Plane);
-        // A jump shows in displacements: the load is no part of it where it is prescribed.
-        let weight = match arc {
-            true => R::lit(settings.load_weight * settings.load_weight),
-            false => R::zero(),
-        };
         let forward = match step < R::zero() {
             true => -R::one(),
             false => R::one(),

@@ -309,8 +309,18 @@ impl<R: Real> Correction<R> {
     /// Adds changes to some coordinates and to what these have moved.
     fn make(&mut self, coordinates: [&mut [R]; 2], changes: [&[R]; 2]) {
         match self.first {
-            true => self.add(coordinates, changes, |_, du| du),
-            false => self.add(coordinates, changes, |moved, du| moved + du),
+            true => self.add(
+                coordinates,
+                changes,
+                #[inline(always)]
+                |_, du| du,
+            ),
+            false => self.add(
+                coordinates,
+                changes,
+                #[inline(always)]
+                |moved, du| moved + du,
+            ),
         }
     }
 
