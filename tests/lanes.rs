@@ -93,7 +93,7 @@ fn lanes_compute_what_numbers_compute() {
 }
 
 /// Reads overlapping rows into columns and adds back those of some lanes.
-struct Exchange<const PAIRED: bool>(usize);
+struct Exchange<const PAIRED: bool>(usize, usize);
 
 impl<R: Real, const PAIRED: bool> LaneWork<R> for Exchange<PAIRED> {
     type Output = ();
@@ -101,16 +101,18 @@ impl<R: Real, const PAIRED: bool> LaneWork<R> for Exchange<PAIRED> {
 
     #[inline(always)]
     fn run<L: Lanes<R>>(self) {
-        let x: Vec<R> = (0..100).map(|i| R::lit(f64::from(i))).collect();
+        // To the end of the last row and a little further.
         let start = |lane: usize| 3 * lane;
+        let length = start(L::WIDTH - 1) + self.0 + self.1;
+        let x: Vec<R> = (0..length).map(|i| R::lit(i as f64)).collect();
         let mut columns = vec![L::zero(); self.0];
         L::gather(&x, start, &mut columns);
         for lanes in 1..=L::WIDTH {
             let skipped = lanes / 2;
-            let mut sum = vec![R::zero(); x.len()];
+            let mut sum = vec![R::one(); x.len()];
             let some = |lane: usize| (lane < lanes && lane != skipped).then(|| start(lane));
             L::scatter(&columns, &mut sum, some);
-            let mut expected = vec![R::zero(); x.len()];
+            let mut expected = vec![R::one(); x.len()];
             for lane in (0..lanes).filter(|lane| *lane != skipped) {
                 for i in 0..self.0 {
                     expected[start(lane) + i] += x[start(lane) + i];
@@ -123,20 +125,42 @@ impl<R: Real, const PAIRED: bool> LaneWork<R> for Exchange<PAIRED> {
 
 #[test]
 fn rows_become_columns_and_rows_again() {
-    for columns in 0..=13 {
+    for (columns, behind) in (0..=13).flat_map(|columns| (0..4).map(move |more| (columns, more))) {
         // Those of AVX2, too, of which every other test here gets the same bits.
         let widest = Registers::widest();
         for registers in Registers::available().filter(|one| *one > Registers::Baseline) {
             Registers::limit(registers);
-            f64::dispatch(Exchange::<false>(columns));
-            f32::dispatch(Exchange::<false>(columns));
-            f64::dispatch(Exchange::<true>(columns));
-            f32::dispatch(Exchange::<true>(columns));
+            f64::dispatch(Exchange::<false>(columns, behind));
+            f32::dispatch(Exchange::<false>(columns, behind));
+            f64::dispatch(Exchange::<true>(columns, behind));
+            f32::dispatch(Exchange::<true>(columns, behind));
         }
         Registers::limit(widest);
-        LaneWork::<f64>::run::<WideF64x4>(Exchange::<false>(columns));
-        LaneWork::<f32>::run::<WideF32x8>(Exchange::<false>(columns));
-        LaneWork::<f64>::run::<f64>(Exchange::<false>(columns));
+        LaneWork::<f64>::run::<WideF64x4>(Exchange::<false>(columns, behind));
+        LaneWork::<f32>::run::<WideF32x8>(Exchange::<false>(columns, behind));
+        LaneWork::<f64>::run::<f64>(Exchange::<false>(columns, behind));
+    }
+}
+
+/// Adds columns to rows that begin somewhere.
+struct Beyond(usize);
+
+impl<R: Real> LaneWork<R> for Beyond {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes<R>>(self) {
+        let last = |lane: usize| Some(if lane + 1 == L::WIDTH { self.0 } else { 0 });
+        L::scatter(&[L::one(); 5], &mut [R::zero(); 8], last);
+    }
+}
+
+#[test]
+fn rows_do_not_reach_beyond_what_they_are_added_to() {
+    f64::dispatch(Beyond(3));
+    for start in [4, 9, usize::MAX - 4, usize::MAX] {
+        let beyond = std::panic::catch_unwind(|| f64::dispatch(Beyond(start)));
+        assert!(beyond.is_err(), "from {start}");
     }
 }
 
@@ -280,6 +304,99 @@ fn a_chain_is_the_sum_of_its_elements() {
     check_all!(f64, 2, 6, 6);
     check_all!(f32, 3, 8, 9);
     check_all!(f32, 2, 6, 6);
+}
+
+/// How a chain is held: some components of a nodal vector of a node.
+type Hold = (usize, NodalVector, [bool; 3]);
+
+/// Tangents of a chain held in some way, stored by one triangle or both, against those of the free
+/// chain, `T^T K T` of the coordinates by the unknowns.
+fn check_held(holds: &[Hold], ties: &[[usize; 2]]) {
+    let solid = Solid::<f64, 3>::isotropic(1e6, 0.3).unwrap();
+    for n in [1, 4, 7] {
+        let system = |held: bool| {
+            let mut scene = Scene::<f64, 3>::new();
+            let disk = Disk::new(0.05).unwrap();
+            let beam = Beam::new(FullyParameterised, disk, Continuum::full(solid))
+                .straight([0.0; 3], axis::<f64, 3>(0).map(|c| 0.25 * n as f64 * c), n)
+                .density(1e3);
+            let beam = scene.add(beam).unwrap();
+            if held {
+                for (node, vector, components) in holds {
+                    let node = beam.node((*node).min(n));
+                    scene.fix(node, *vector, *components).unwrap();
+                }
+                for nodes in ties {
+                    let [one, other] = nodes.map(|node| beam.node(node.min(n)));
+                    let position = NodalVector::Position;
+                    let alike = [(one, position, 1, 1.0), (other, position, 2, -0.5)];
+                    scene.constrain(&alike).unwrap();
+                }
+            }
+            scene.assemble().unwrap()
+        };
+        let (free, held) = (system(false), system(true));
+        let unknowns = held.unknowns();
+        let size = unknowns.coordinates();
+        let u: Vec<f64> = (0..size).map(|i| 0.1 * (1.7 * i as f64).sin()).collect();
+        let tangent = |system: &System<f64, 3>, symmetric| {
+            let mut k = Matrix::zero(system.unknowns(), symmetric);
+            system.add_tangent(0.0, 1.0, &u, &mut k).unwrap();
+            system.add_mass(3.0, &mut k).unwrap();
+            k
+        };
+        let whole = tangent(&free, false);
+        let columns: Vec<Vec<f64>> = (unknowns.free().iter())
+            .map(|i| {
+                let mut column = vec![0.0; size];
+                column[*i] = 1.0;
+                unknowns.follow(&mut column);
+                column
+            })
+            .collect();
+        let top = (0..size).fold(0.0_f64, |top, i| top.max(whole.stored().get(i, i).abs()));
+        for symmetric in [true, false] {
+            let k = tangent(&held, symmetric);
+            let mut product = vec![0.0; size];
+            for (q, column) in columns.iter().enumerate() {
+                whole.stored().mul_vec(column, &mut product).unwrap();
+                for (p, row) in columns.iter().enumerate() {
+                    let expected: f64 = row.iter().zip(&product).map(|(a, b)| a * b).sum();
+                    let own = k.stored().get(p, q);
+                    assert!(
+                        (own - expected).abs() < 1e-13 * top,
+                        "entry {p}, {q} of {n} elements, {holds:?}: {own} and not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn tangents_of_held_chains_are_those_of_free_ones_less_what_is_held() {
+    use NodalVector::{Position, Slope};
+    let all = [true; 3];
+    let clamped = |node| [Position, Slope(0), Slope(1), Slope(2)].map(|vector| (node, vector, all));
+    check_held(&[], &[]);
+    check_held(&[(0, Position, all)], &[]);
+    check_held(&clamped(0), &[]);
+    check_held(&[(7, Position, all)], &[]);
+    check_held(&clamped(7), &[]);
+    check_held(&clamped(3), &[]);
+    check_held(
+        &[(0, Position, all), (7, Position, [false, true, true])],
+        &[],
+    );
+    check_held(&[(2, Slope(1), [false, true, false])], &[]);
+    // More stretches than go in lanes.
+    let level =
+        |node| [Position, Slope(0), Slope(1), Slope(2)].map(|v| (node, v, [false, false, true]));
+    let flat: Vec<Hold> = (0..=7).flat_map(level).collect();
+    check_held(&flat, &[]);
+    // Coordinates that follow others.
+    check_held(&[(0, Position, all)], &[[1, 2]]);
+    check_held(&clamped(7), &[[3, 5]]);
 }
 
 /// All nodes displaced alike strain all elements alike: forces on inner nodes are then the same to

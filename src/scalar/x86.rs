@@ -74,6 +74,13 @@ fn transpose_f32(tile: &mut [[f32; TILE]; TILE]) {
     }
 }
 
+/// Where a lane adds its row: a pointer and what is taken of steps along it, all or nothing.
+#[derive(Debug, Clone, Copy)]
+struct Row<R> {
+    first: *mut R,
+    moves: usize,
+}
+
 /// A lane type over a register, and the function that runs work in it.
 macro_rules! register {
     (
@@ -154,48 +161,76 @@ macro_rules! register {
                 }
             }
 
-            /// [`Lanes::scatter`] of `count` columns by their number.
+            /// [`Lanes::scatter`] of what `own` takes of the columns.
             #[inline(always)]
-            fn scatter_each(
-                count: usize,
-                column: impl Fn(usize) -> Self,
+            fn scatter_each<C: Copy>(
+                columns: &[C],
+                own: impl Fn(C) -> Self,
                 x: &mut [$r],
                 starts: impl Fn(usize) -> Option<usize>,
             ) {
-                let mut rows = [None; $width];
-                for (lane, row) in rows.iter_mut().enumerate() {
-                    *row = starts(lane);
+                let (tiles, rest) = columns.as_chunks::<TILE>();
+                let whole = tiles.as_flattened().len();
+                let mut nowhere = [0.0; TILE];
+                let mut rows = [Row { first: nowhere.as_mut_ptr(), moves: 0 }; $width];
+                let mut end = 0;
+                for lane in 0..$width {
+                    if let Some(start) = starts(lane) {
+                        end = end.max(start.saturating_add(columns.len()));
+                        let first = x.as_mut_ptr().wrapping_add(start);
+                        rows[lane] = Row { first, moves: usize::MAX };
+                    }
                 }
+                assert!(end <= x.len(), "rows lie within");
                 // From behind, for elements share their end nodes: of two that meet the first adds first, as
                 // where they come one by one.
-                let whole = count / TILE * TILE;
-                for i in whole..count {
-                    let values = column(i).to_array();
-                    for lane in 0..$width {
-                        if let Some(start) = rows[lane] {
-                            x[start + i] += values[lane];
+                if !rest.is_empty() {
+                    let mut tile = [Self::zero(); TILE];
+                    for j in 0..TILE - 1 {
+                        if j < rest.len() {
+                            tile[j] = own(rest[j]);
+                        }
+                    }
+                    // SAFETY: rows are so long, or, where nothing is added behind them, there is as much.
+                    match x.len() - end >= TILE - rest.len() {
+                        true => unsafe { Self::add_tile(tile, &rows, whole) },
+                        false => unsafe { Self::add_part(tile, &rows, whole, rest.len()) },
+                    }
+                }
+                for (k, tile) in tiles.iter().enumerate().rev() {
+                    // SAFETY: rows are as long as there are columns.
+                    unsafe { Self::add_tile(tile.map(&own), &rows, k * TILE) };
+                }
+            }
+
+            /// Adds a tile to rows from their number `i` on, which must have as many.
+            #[inline(always)]
+            unsafe fn add_tile(tile: [Self; TILE], rows: &[Row<$r>; $width], i: usize) {
+                let values = tile.map(Self::to_array);
+                for first in (0..$width).step_by(TILE) {
+                    let mut tile = [[0.0; TILE]; TILE];
+                    for j in 0..TILE {
+                        tile[j].copy_from_slice(&values[j][first..first + TILE]);
+                    }
+                    unsafe { $tile(&mut tile) };
+                    for lane in 0..TILE {
+                        let Row { first, moves } = rows[first + lane];
+                        // SAFETY: numbers of the row, or as many that nobody reads.
+                        let row = unsafe { &mut *first.add(i & moves).cast::<[$r; TILE]>() };
+                        for j in 0..TILE {
+                            row[j] += tile[lane][j];
                         }
                     }
                 }
-                for i in (0..whole).step_by(TILE).rev() {
-                    let mut values = [[0.0; $width]; TILE];
-                    for j in 0..TILE {
-                        column(i + j).store(&mut values[j]);
-                    }
-                    for first in (0..$width).step_by(TILE) {
-                        let mut tile = [[0.0; TILE]; TILE];
-                        for j in 0..TILE {
-                            tile[j].copy_from_slice(&values[j][first..first + TILE]);
-                        }
-                        unsafe { $tile(&mut tile) };
-                        for lane in 0..TILE {
-                            if let Some(start) = rows[first + lane] {
-                                let row = &mut x[start + i..][..TILE];
-                                for j in 0..TILE {
-                                    row[j] += tile[lane][j];
-                                }
-                            }
-                        }
+            }
+
+            /// The same of its first `count` columns.
+            #[inline(always)]
+            unsafe fn add_part(tile: [Self; TILE], rows: &[Row<$r>; $width], i: usize, count: usize) {
+                for (j, column) in tile[..count].iter().enumerate() {
+                    for (Row { first, moves }, value) in rows.iter().zip(column.to_array()) {
+                        // SAFETY: as above.
+                        unsafe { *first.add(i & moves).add(j) += value };
                     }
                 }
             }
@@ -299,9 +334,9 @@ macro_rules! register {
             #[inline(always)]
             fn scatter(columns: &[Self], x: &mut [$r], starts: impl Fn(usize) -> Option<usize>) {
                 Self::scatter_each(
-                    columns.len(),
+                    columns,
                     #[inline(always)]
-                    |i| columns[i],
+                    |column| column,
                     x,
                     starts,
                 );
@@ -377,9 +412,9 @@ macro_rules! register {
                 // The elements of the first register add first, as where they come one by one.
                 for m in 0..2 {
                     $t::scatter_each(
-                        columns.len(),
+                        columns,
                         #[inline(always)]
-                        |i| columns[i].0[m],
+                        |column| column.0[m],
                         x,
                         #[inline(always)]
                         |lane| starts(m * $width + lane),

@@ -27,14 +27,15 @@ mod aligned;
 mod blocks;
 mod columns;
 mod ldlt;
+mod lines;
 mod lu;
 mod matrix;
 mod pivots;
 mod profile;
 
 pub(super) use ldlt::{GROWTH, NOISE};
+pub(super) use lines::{Lines, STRETCHES};
 pub use matrix::BandMatrix;
-pub(super) use matrix::Lines;
 pub use profile::Profile;
 
 use super::sparse::{SparseLdlt, SparseMatrix};

@@ -1,11 +1,11 @@
 //! A matrix that is written by coordinates and stored by unknowns: elements and loads add to the
 //! coordinates they know, and what follows from other coordinates goes where those are.
 
-use super::band::Lines;
+use super::band::{Lines, STRETCHES};
 use super::stored::Stored;
 use super::unknowns::{Combination, Unknowns};
 use crate::error::{Error, Result};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::{Lanes, MOST_LANES, Real};
 
 /// A tangent or mass matrix over the coordinates of a structure, `T^T K T` over its [`Unknowns`].
 /// No method but the constructors allocates.
@@ -98,43 +98,6 @@ impl<R: Real> Matrix<R> {
         Ok(())
     }
 
-    /// Whether [`add_upper`](Self::add_upper) adds the matrix of an element of `n` coordinates from
-    /// `offset` on: each of them is an unknown or held, and the unknowns are numbered upwards.
-    pub(crate) fn takes_upper(&self, offset: usize, n: usize) -> bool {
-        let mut next = 0;
-        let mut ordered = |i| match self.unknowns.combination(i) {
-            Combination::Unknown(q) => q >= std::mem::replace(&mut next, q + 1),
-            Combination::Sum(terms) => terms.is_empty(),
-        };
-        self.stored.is_symmetric()
-            && !self.stored.is_sparse()
-            && (offset..offset + n).all(&mut ordered)
-    }
-
-    /// Adds the matrix of an element of `n` coordinates from `offset` on, of which the upper triangle
-    /// of a row-major `block` is read.
-    pub(crate) fn add_upper(&mut self, offset: usize, n: usize, block: &[R]) -> Result<()> {
-        let Self { unknowns, stored } = self;
-        let Some(envelope) = stored.envelope() else {
-            return Ok(());
-        };
-        for (i, row) in block.chunks_exact(n).enumerate() {
-            let Combination::Unknown(p) = unknowns.combination(offset + i) else {
-                continue;
-            };
-            let mut j = i;
-            while j < n {
-                let Some(run) = unknowns.stretch(offset + j, n - j) else {
-                    j += 1;
-                    continue;
-                };
-                envelope.add_row(p, run.start, &row[j..j + run.len()])?;
-                j += run.len();
-            }
-        }
-        Ok(())
-    }
-
     /// Adds the full row-major matrix of an element whose `n` coordinates are numbered
     /// consecutively from `offset`.
     ///
@@ -167,28 +130,53 @@ impl<R: Real> Matrix<R> {
         Ok(())
     }
 
-    /// Whether [`add_blocks`](Self::add_blocks) adds the matrices of elements whose `n` coordinates
-    /// are numbered consecutively from `offset`.
-    #[inline(always)]
-    pub(crate) fn takes_blocks(&self, offset: usize, n: usize) -> bool {
-        !self.stored.is_sparse() && self.unknowns.run(offset, n).is_some()
-    }
-
-    /// Adds the matrices of the elements in the lanes that have a start, the first of `n`
-    /// coordinates numbered consecutively, where those are unknowns in a row of an envelope. The
-    /// entries of `block` are row-major and full.
+    /// Adds the matrices of the elements in the lanes that have a start, the first of `n` coordinates
+    /// numbered consecutively, where these are unknowns of an envelope, numbered upwards, or held. The
+    /// others are left: lanes of which this returns a bit. The entries of `block` are row-major and full; of
+    /// those added to a symmetric matrix the upper triangles are read.
     #[inline(always)]
     pub(crate) fn add_blocks<L: Lanes<R>>(
         &mut self,
         n: usize,
         block: &[L],
         start: impl Fn(usize) -> Option<usize>,
-    ) -> Result<()> {
+    ) -> Result<u32> {
         let Self { unknowns, stored } = self;
-        match stored.envelope() {
-            Some(envelope) => envelope.add_blocks(n, block, |lane| unknowns.run(start(lane)?, n)),
-            None => Ok(()),
+        let (mut taken, mut left, mut ends) = (0, 0, 0);
+        let mut starts = [None; MOST_LANES];
+        for lane in 0..L::WIDTH {
+            let Some(offset) = start(lane) else { continue };
+            match unknowns.stretches(offset, n) {
+                Some(own) => {
+                    starts[lane] = Some(offset);
+                    taken |= 1 << lane;
+                    ends |= own;
+                }
+                None => left |= 1 << lane,
+            }
         }
+        let few = (ends.count_ones() as usize) < STRETCHES;
+        let Some(envelope) = stored.envelope().filter(|_| taken != 0 && few) else {
+            return Ok(left | taken);
+        };
+        let mut lines = envelope.all_lines();
+        if ends == 0 {
+            lines.add_blocks(
+                n,
+                block,
+                #[inline(always)]
+                |lane| unknowns.run(starts[lane]?, n),
+            )?;
+        } else {
+            lines.add_stretches(
+                n,
+                block,
+                (0..n).filter(|i| *i == 0 || ends >> i & 1 == 1),
+                #[inline(always)]
+                |lane, i| unknowns.unknown(starts[lane]? + i),
+            )?;
+        }
+        Ok(left)
     }
 
     /// The unknown that a coordinate is, and all unknowns before it come from coordinates before; else

@@ -359,6 +359,47 @@ impl<R: Real> Unknowns<R> {
         }
     }
 
+    /// The unknown that coordinate `i` is.
+    #[inline]
+    pub(super) fn unknown(&self, i: usize) -> Option<usize> {
+        match self.tables.places[i] {
+            Place::Unknown(q) => Some(q),
+            Place::Follower(_) => None,
+        }
+    }
+
+    /// Where stretches of `n` coordinates from `offset` on end, held ones and unknowns in a row: a bit for
+    /// each that does not go on from the one before. Nothing if some follow others, if unknowns are not
+    /// numbered upwards, or if bits do not suffice.
+    #[inline(always)]
+    pub(super) fn stretches(&self, offset: usize, n: usize) -> Option<u64> {
+        match self.run(offset, n) {
+            Some(_) => Some(0),
+            None => self.several_stretches(offset, n),
+        }
+    }
+
+    fn several_stretches(&self, offset: usize, n: usize) -> Option<u64> {
+        if n > u64::BITS as usize {
+            return None;
+        }
+        let (mut ends, mut next, mut before) = (0, 0, None);
+        for i in 0..n {
+            let own = match self.combination(offset + i) {
+                Combination::Unknown(q) if q >= next => Some(q),
+                Combination::Sum([]) => None,
+                _ => return None,
+            };
+            let goes_on = own == before.map(|q| q + 1);
+            if i > 0 && !goes_on {
+                ends |= 1 << i;
+            }
+            next = own.map_or(next, |q| q + 1);
+            before = own;
+        }
+        Some(ends)
+    }
+
     /// The unknowns in a row, at most `n`, that the coordinates from `offset` on begin with.
     #[inline]
     pub(super) fn stretch(&self, offset: usize, n: usize) -> Option<Range<usize>> {

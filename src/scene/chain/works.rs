@@ -202,16 +202,18 @@ fn add_lanes<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
         Sink::Matrix(k) => k,
         Sink::Rows(rows) => return rows.add_blocks(S * D, block, &start),
     };
-    k.add_blocks(S * D, block, &start)?;
-    for lane in 0..L::WIDTH {
-        if let Some(offset) = start(lane).filter(|offset| !k.takes_blocks(*offset, S * D)) {
+    let mut left = k.add_blocks(S * D, block, &start)?;
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        if let Some(offset) = start(lane) {
             add_lane::<R, L, D, S>(k, lane, offset, tangent)?;
         }
+        left &= left - 1;
     }
     Ok(())
 }
 
-/// Adds the tangent of the element in one lane.
+/// Adds the tangent of the element in one lane, entry by entry.
 #[inline(always)]
 fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     k: &mut Matrix<R>,
@@ -233,13 +235,12 @@ fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
             }
         }
     }
-    let upper = k.takes_upper(offset, S * D);
-    if symmetric && !upper {
+    if symmetric {
         mirror(&mut own);
     }
-    let block = own.as_flattened().as_flattened().as_flattened();
-    match upper {
-        true => k.add_upper(offset, S * D, block),
-        false => k.add_block(offset, S * D, block),
-    }
+    k.add_block(
+        offset,
+        S * D,
+        own.as_flattened().as_flattened().as_flattened(),
+    )
 }

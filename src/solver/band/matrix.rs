@@ -1,16 +1,17 @@
 //! Storage of matrices inside the envelope, allocated once and refilled at every step, with the
 //! few operations that assembly, supports and residuals need.
 
-use std::ops::{Add, Range};
+use std::ops::Add;
 
 use num_traits::Signed;
 
 use super::aligned::Aligned;
 use super::blocks::SUMS;
 use super::columns::{column_starts, panels};
+use super::lines::Lines;
 use super::{Profile, ahead};
 use crate::error::{Error, Result};
-use crate::scalar::{Lanes, Loops, MOST_LANES, Real};
+use crate::scalar::{Loops, Real};
 
 /// Square matrix whose entries outside the envelope of a [`Profile`] are zero.
 ///
@@ -332,16 +333,10 @@ impl<R: Real> BandMatrix<R> {
         }
     }
 
-    /// Adds the matrices of the elements in the lanes that have a start, the first of `n` unknowns
-    /// numbered consecutively: the entries of `block`, row-major and full.
+    /// All lines.
     #[inline(always)]
-    pub(in crate::solver) fn add_blocks<L: Lanes<R>>(
-        &mut self,
-        n: usize,
-        block: &[L],
-        start: impl Fn(usize) -> Option<usize>,
-    ) -> Result<()> {
-        self.lines(self.size()).add_blocks(n, block, start)
+    pub(in crate::solver) fn all_lines(&mut self) -> Lines<'_, R> {
+        self.lines(self.size())
     }
 
     /// `y = A x`.
@@ -437,126 +432,5 @@ impl<R: Real> BandMatrix<R> {
             what: "mixing a symmetric and a general matrix".into(),
             remedy: "construct both with `symmetric` or both with `general`",
         })
-    }
-}
-
-/// Lines in a row of a [`BandMatrix`]: what one thread may write while others write the rest. Those that
-/// it leaves unwritten are zero in the end.
-#[derive(Debug)]
-pub(in crate::solver) struct Lines<'a, R: Real> {
-    profile: &'a Profile,
-    symmetric: bool,
-    starts: &'a [usize],
-    lines: Range<usize>,
-    data: &'a mut [R],
-    /// Lines from this one on are zero, whatever `data` holds.
-    written: usize,
-    /// Whether lines further on are asked for. Smaller pieces are where those before are eliminated.
-    fetching: bool,
-    /// What the matrix knows of that, if these are no part of others.
-    whole: Option<&'a mut usize>,
-}
-
-impl<R: Real> Lines<'_, R> {
-    pub(in crate::solver) fn is_symmetric(&self) -> bool {
-        self.symmetric
-    }
-
-    /// Those before and from one of them on.
-    pub(in crate::solver) fn halves(&mut self, line: usize) -> (Lines<'_, R>, Lines<'_, R>) {
-        let Range { start, end } = self.lines;
-        let written = self.written;
-        self.written = written.max(end);
-        let (left, right) = self
-            .data
-            .split_at_mut(self.starts[line] - self.starts[start]);
-        let part = |lines, data, written| Lines {
-            profile: self.profile,
-            symmetric: self.symmetric,
-            starts: self.starts,
-            lines,
-            data,
-            written,
-            fetching: self.fetching,
-            whole: None,
-        };
-        (
-            part(start..line, left, written),
-            part(line..end, right, written.max(line)),
-        )
-    }
-
-    /// Has all lines up to this one written.
-    #[inline(always)]
-    fn write_up_to(&mut self, line: usize) {
-        if line >= self.written {
-            let start = self.starts[self.lines.start];
-            let fresh = self.starts[self.written] - start..self.starts[line + 1] - start;
-            if self.fetching {
-                let soon = fresh.end + ahead::BYTES / size_of::<R>();
-                if let Some(soon) = self.data.get(soon..soon + fresh.len()) {
-                    ahead::fetch(soon);
-                }
-            }
-            self.data[fresh].fill(R::zero());
-            self.written = line + 1;
-        }
-    }
-
-    /// As [`BandMatrix::add_blocks`].
-    #[inline(always)]
-    pub(in crate::solver) fn add_blocks<L: Lanes<R>>(
-        &mut self,
-        n: usize,
-        block: &[L],
-        start: impl Fn(usize) -> Option<usize>,
-    ) -> Result<()> {
-        let mut starts = [None; MOST_LANES];
-        for (lane, column) in starts[..L::WIDTH].iter_mut().enumerate() {
-            *column = start(lane);
-            let Some(column) = *column else { continue };
-            let row = column + n - 1;
-            if !self.profile.contains(row, column) {
-                return Err(Error::OutsideProfile { row, column });
-            }
-            // Of one element at a time, fresh lines are overwritten below.
-            self.write_up_to(if L::WIDTH == 1 { column } else { row });
-        }
-        let (first, half) = (self.starts[self.lines.start], self.profile.half_bandwidth());
-        for i in 0..n {
-            // Rows of lanes from behind: of two elements that meet the first adds first.
-            let i = if L::WIDTH == 1 { i } else { n - 1 - i };
-            // Stored by columns from the diagonal on, or by rows in which the block starts before it.
-            let (from, shift) = if self.symmetric { (i, i) } else { (0, half) };
-            let row = &block[i * n + from..(i + 1) * n];
-            if let (1, Some(start)) = (L::WIDTH, starts[0])
-                && start + i == self.written
-            {
-                self.written += 1;
-                let line = self.starts[start + i] - first..self.starts[start + i + 1] - first;
-                let line = &mut self.data[line];
-                let (before, own) = line.split_at_mut(shift - i);
-                let (own, behind) = own.split_at_mut(row.len());
-                before.fill(R::zero());
-                for (entry, value) in L::blocks_mut(own).iter_mut().zip(row) {
-                    value.store(entry.as_mut());
-                }
-                behind.fill(R::zero());
-                continue;
-            }
-            let target = |lane: usize| Some(self.starts[starts[lane]? + i] - first + shift - i);
-            L::scatter(row, self.data, target);
-        }
-        Ok(())
-    }
-}
-
-impl<R: Real> Drop for Lines<'_, R> {
-    fn drop(&mut self) {
-        match &mut self.whole {
-            Some(whole) => **whole = self.written,
-            None if self.lines.is_empty() => {}
-            None => self.write_up_to(self.lines.end - 1),
-        }
     }
 }
