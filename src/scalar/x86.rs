@@ -173,15 +173,17 @@ macro_rules! register {
                 let whole = tiles.as_flattened().len();
                 let mut nowhere = [0.0; TILE];
                 let mut rows = [Row { first: nowhere.as_mut_ptr(), moves: 0 }; $width];
+                // One pointer for all rows: to ask for another would end what may be done with it.
+                let (length, all) = (x.len(), x.as_mut_ptr());
                 let mut end = 0;
                 for lane in 0..$width {
                     if let Some(start) = starts(lane) {
                         end = end.max(start.saturating_add(columns.len()));
-                        let first = x.as_mut_ptr().wrapping_add(start);
+                        let first = all.wrapping_add(start);
                         rows[lane] = Row { first, moves: usize::MAX };
                     }
                 }
-                assert!(end <= x.len(), "rows lie within");
+                let left = length.checked_sub(end).expect("rows that lie within");
                 // From behind, for elements share their end nodes: of two that meet the first adds first, as
                 // where they come one by one.
                 if !rest.is_empty() {
@@ -191,8 +193,9 @@ macro_rules! register {
                             tile[j] = own(rest[j]);
                         }
                     }
-                    // SAFETY: rows are so long, or, where nothing is added behind them, there is as much.
-                    match x.len() - end >= TILE - rest.len() {
+                    // What a tile lacks is nothing, added behind the rows. SAFETY: so much is left there, or
+                    // the rest alone is added.
+                    match rest.len() + left >= TILE {
                         true => unsafe { Self::add_tile(tile, &rows, whole) },
                         false => unsafe { Self::add_part(tile, &rows, whole, rest.len()) },
                     }

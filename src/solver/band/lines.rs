@@ -10,8 +10,8 @@ use crate::scalar::{Lanes, MOST_LANES, Real};
 /// lanes: rows of fewer coordinates are not worth it.
 pub(in crate::solver) const STRETCHES: usize = 8;
 
-/// Lines in a row of a [`BandMatrix`](super::BandMatrix): what one thread may write while others write the rest. Those that
-/// it leaves unwritten are zero in the end.
+/// Lines in a row of a [`BandMatrix`](super::BandMatrix): what one thread may write while others write
+/// the rest. Those that it leaves unwritten are zero in the end.
 #[derive(Debug)]
 pub(in crate::solver) struct Lines<'a, R: Real> {
     pub(super) profile: &'a Profile,
