@@ -109,9 +109,17 @@ impl<R: Real, const PAIRED: bool> LaneWork<R> for Exchange<PAIRED> {
         L::gather(&x, start, &mut columns);
         for lanes in 1..=L::WIDTH {
             let skipped = lanes / 2;
+            // What is added to a signalling NaN makes it a quiet one.
+            let untouched = f64::from_bits(0x7ff0_0000_0000_0001);
             let mut sum = vec![R::one(); x.len()];
+            sum.resize(x.len() + 8, R::lit(untouched));
             let some = |lane: usize| (lane < lanes && lane != skipped).then(|| start(lane));
-            L::scatter(&columns, &mut sum, some);
+            L::scatter(&columns, &mut sum[..x.len()], some);
+            let behind = sum.split_off(x.len());
+            if size_of::<R>() == size_of::<f64>() {
+                let untouched = |y: &R| y.value().to_bits() == untouched.to_bits();
+                assert!(behind.iter().all(untouched), "behind {} columns", self.0);
+            }
             let mut expected = vec![R::one(); x.len()];
             for lane in (0..lanes).filter(|lane| *lane != skipped) {
                 for i in 0..self.0 {
@@ -142,26 +150,41 @@ fn rows_become_columns_and_rows_again() {
     }
 }
 
-/// Adds columns to rows that begin somewhere.
-struct Beyond(usize);
+/// Adds columns to rows, of which the last begins somewhere.
+struct Beyond<const PAIRED: bool>(usize);
 
-impl<R: Real> LaneWork<R> for Beyond {
-    type Output = ();
+impl<R: Real, const PAIRED: bool> LaneWork<R> for Beyond<PAIRED> {
+    type Output = f64;
+    const PAIRED: bool = PAIRED;
 
     #[inline(always)]
-    fn run<L: Lanes<R>>(self) {
-        let last = |lane: usize| Some(if lane + 1 == L::WIDTH { self.0 } else { 0 });
-        L::scatter(&[L::one(); 5], &mut [R::zero(); 8], last);
+    fn run<L: Lanes<R>>(self) -> f64 {
+        let start = |lane: usize| Some(if lane + 1 == L::WIDTH { self.0 } else { 0 });
+        let mut x = [R::zero(); 8];
+        L::scatter(&[L::one(); 5], &mut x, start);
+        x[self.0 + 4].value()
+    }
+}
+
+fn rows_stay_within<R: Real, const PAIRED: bool>() {
+    assert_eq!(R::dispatch(Beyond::<PAIRED>(3)), 1.0);
+    for start in [4, 9, usize::MAX - 4, usize::MAX] {
+        let beyond = std::panic::catch_unwind(|| R::dispatch(Beyond::<PAIRED>(start)));
+        assert!(beyond.is_err(), "from {start}");
     }
 }
 
 #[test]
 fn rows_do_not_reach_beyond_what_they_are_added_to() {
-    f64::dispatch(Beyond(3));
-    for start in [4, 9, usize::MAX - 4, usize::MAX] {
-        let beyond = std::panic::catch_unwind(|| f64::dispatch(Beyond(start)));
-        assert!(beyond.is_err(), "from {start}");
+    let widest = Registers::widest();
+    for registers in Registers::available().filter(|one| *one > Registers::Baseline) {
+        Registers::limit(registers);
+        rows_stay_within::<f64, false>();
+        rows_stay_within::<f32, false>();
+        rows_stay_within::<f64, true>();
+        rows_stay_within::<f32, true>();
     }
+    Registers::limit(widest);
 }
 
 /// The number of lanes.
@@ -309,94 +332,143 @@ fn a_chain_is_the_sum_of_its_elements() {
 /// How a chain is held: some components of a nodal vector of a node.
 type Hold = (usize, NodalVector, [bool; 3]);
 
-/// Tangents of a chain held in some way, stored by one triangle or both, against those of the free
-/// chain, `T^T K T` of the coordinates by the unknowns.
-fn check_held(holds: &[Hold], ties: &[[usize; 2]]) {
-    let solid = Solid::<f64, 3>::isotropic(1e6, 0.3).unwrap();
+/// Tangents of a chain held in some way, stored by one triangle or both, and those of its secant force,
+/// which are not symmetric, against those of the free chain: `T^T K T` of the coordinates by the unknowns.
+/// Elements of a bent chain come one by one.
+fn check_held<R: Real>(bent: bool, holds: &[Hold], ties: &[[usize; 2]]) {
+    let [zero, one] = [R::zero(), R::one()];
+    let solid = Solid::<R, 3>::isotropic(R::lit(1e6), R::lit(0.3)).unwrap();
     for n in [1, 4, 7] {
+        let clamped = |(node, _, held): &&Hold| *node <= n && *held == [true; 3];
+        if holds.iter().filter(clamped).count() == 4 * (n + 1) {
+            continue;
+        }
         let system = |held: bool| {
-            let mut scene = Scene::<f64, 3>::new();
-            let disk = Disk::new(0.05).unwrap();
-            let beam = Beam::new(FullyParameterised, disk, Continuum::full(solid))
-                .straight([0.0; 3], axis::<f64, 3>(0).map(|c| 0.25 * n as f64 * c), n)
-                .density(1e3);
-            let beam = scene.add(beam).unwrap();
-            if held {
-                for (node, vector, components) in holds {
-                    let node = beam.node((*node).min(n));
-                    scene.fix(node, *vector, *components).unwrap();
-                }
-                for nodes in ties {
-                    let [one, other] = nodes.map(|node| beam.node(node.min(n)));
-                    let position = NodalVector::Position;
-                    let alike = [(one, position, 1, 1.0), (other, position, 2, -0.5)];
-                    scene.constrain(&alike).unwrap();
-                }
+            let mut scene = Scene::<R, 3>::new();
+            let disk = Disk::new(R::lit(0.05)).unwrap();
+            let length = R::lit(0.25 * n as f64);
+            let beam = Beam::new(FullyParameterised, disk, Continuum::full(solid));
+            let beam = match bent {
+                false => beam.straight([zero; 3], [length, zero, zero], n),
+                true => beam.curved(length, n, move |s| {
+                    let (sin, cos) = (s * length).sin_cos();
+                    let frame = [[cos, sin, zero], [-sin, cos, zero], [zero, zero, one]];
+                    ([sin, one - cos, zero], frame)
+                }),
+            };
+            let beam = scene.add(beam.density(R::lit(1e3))).unwrap();
+            let holds = if held { holds } else { &[] };
+            for (node, vector, components) in holds.iter().filter(|hold| hold.0 <= n) {
+                scene.fix(beam.node(*node), *vector, *components).unwrap();
+            }
+            let ties = if held { ties } else { &[] };
+            for nodes in ties.iter().filter(|tie| tie[1] <= n) {
+                let [first, second] = nodes.map(|node| beam.node(node));
+                let position = NodalVector::Position;
+                let alike = [
+                    (first, position, 1, one),
+                    (second, position, 2, R::lit(-0.5)),
+                ];
+                scene.constrain(&alike).unwrap();
             }
             scene.assemble().unwrap()
         };
         let (free, held) = (system(false), system(true));
         let unknowns = held.unknowns();
         let size = unknowns.coordinates();
-        let u: Vec<f64> = (0..size).map(|i| 0.1 * (1.7 * i as f64).sin()).collect();
-        let tangent = |system: &System<f64, 3>, symmetric| {
+        let moved = |wave: f64| -> Vec<R> {
+            (0..size)
+                .map(|i| R::lit(0.1 * (wave * i as f64).sin()))
+                .collect()
+        };
+        let (u, later) = (moved(1.7), moved(1.1));
+        let tangent = |system: &System<R, 3>, symmetric| {
             let mut k = Matrix::zero(system.unknowns(), symmetric);
-            system.add_tangent(0.0, 1.0, &u, &mut k).unwrap();
-            system.add_mass(3.0, &mut k).unwrap();
+            system.add_tangent(zero, one, &u, &mut k).unwrap();
+            system.add_mass(R::lit(3.0), &mut k).unwrap();
             k
         };
-        let whole = tangent(&free, false);
-        let columns: Vec<Vec<f64>> = (unknowns.free().iter())
+        let secant = |system: &System<R, 3>| {
+            let mut k = Matrix::zero(system.unknowns(), false);
+            let at = (zero, one);
+            system
+                .add_secant_tangent(at, zero, &u, &later, &mut k)
+                .unwrap();
+            k
+        };
+        let columns: Vec<Vec<R>> = (unknowns.free().iter())
             .map(|i| {
-                let mut column = vec![0.0; size];
-                column[*i] = 1.0;
+                let mut column = vec![zero; size];
+                column[*i] = one;
                 unknowns.follow(&mut column);
                 column
             })
             .collect();
-        let top = (0..size).fold(0.0_f64, |top, i| top.max(whole.stored().get(i, i).abs()));
-        for symmetric in [true, false] {
-            let k = tangent(&held, symmetric);
-            let mut product = vec![0.0; size];
+        let check = |k: &Matrix<R>, whole: &Matrix<R>| {
+            let diagonal = (0..size).map(|i| whole.stored().get(i, i).value().abs());
+            let small = 400.0 * R::EPSILON * diagonal.fold(0.0, f64::max);
+            let mut product = vec![zero; size];
             for (q, column) in columns.iter().enumerate() {
                 whole.stored().mul_vec(column, &mut product).unwrap();
                 for (p, row) in columns.iter().enumerate() {
-                    let expected: f64 = row.iter().zip(&product).map(|(a, b)| a * b).sum();
+                    let expected: R = row.iter().zip(&product).map(|(a, b)| *a * *b).sum();
                     let own = k.stored().get(p, q);
                     assert!(
-                        (own - expected).abs() < 1e-13 * top,
+                        (own - expected).value().abs() < small,
                         "entry {p}, {q} of {n} elements, {holds:?}: {own} and not {expected}"
                     );
                 }
             }
-        }
+        };
+        let whole = tangent(&free, false);
+        check(&tangent(&held, true), &whole);
+        check(&tangent(&held, false), &whole);
+        check(&secant(&held), &secant(&free));
     }
+}
+
+fn check_supports<R: Real>(bent: bool) {
+    use NodalVector::{Position, Slope};
+    const ALL: [bool; 3] = [true; 3];
+    let vectors = [Position, Slope(0), Slope(1), Slope(2)];
+    let fix = |nodes: &[usize], held: [bool; 3]| -> Vec<Hold> {
+        let node = |node: &usize| vectors.map(|vector| (*node, vector, held));
+        nodes.iter().flat_map(node).collect()
+    };
+    let every: Vec<usize> = (0..=7).collect();
+    let component = |c: usize| std::array::from_fn(|k| k == c);
+    check_held::<R>(bent, &[], &[]);
+    check_held::<R>(bent, &[(0, Position, ALL)], &[]);
+    check_held::<R>(bent, &[(7, Position, ALL)], &[]);
+    check_held::<R>(
+        bent,
+        &[(0, Position, ALL), (4, Position, [false, true, true])],
+        &[],
+    );
+    check_held::<R>(bent, &[(2, Slope(1), [false, true, false])], &[]);
+    check_held::<R>(bent, &fix(&[0], ALL), &[]);
+    check_held::<R>(bent, &fix(&[3], ALL), &[]);
+    check_held::<R>(bent, &fix(&[4, 7], ALL), &[]);
+    // Groups of which all is held, beside nodes that are free.
+    check_held::<R>(bent, &fix(&every[..5], ALL), &[]);
+    check_held::<R>(bent, &fix(&every[..2], ALL), &[]);
+    // Many stretches: as many as go in lanes, and more than do where nodes are held in turn.
+    for c in 0..3 {
+        check_held::<R>(bent, &fix(&every, component(c)), &[]);
+        check_held::<R>(bent, &fix(&[c], component(c)), &[]);
+    }
+    let in_turn: Vec<Hold> = (0..=7).flat_map(|k| fix(&[k], component(k % 3))).collect();
+    check_held::<R>(bent, &in_turn, &[]);
+    // Coordinates that follow others.
+    check_held::<R>(bent, &[(0, Position, ALL)], &[[1, 2]]);
+    check_held::<R>(bent, &fix(&[7], ALL), &[[3, 5]]);
 }
 
 #[test]
 fn tangents_of_held_chains_are_those_of_free_ones_less_what_is_held() {
-    use NodalVector::{Position, Slope};
-    let all = [true; 3];
-    let clamped = |node| [Position, Slope(0), Slope(1), Slope(2)].map(|vector| (node, vector, all));
-    check_held(&[], &[]);
-    check_held(&[(0, Position, all)], &[]);
-    check_held(&clamped(0), &[]);
-    check_held(&[(7, Position, all)], &[]);
-    check_held(&clamped(7), &[]);
-    check_held(&clamped(3), &[]);
-    check_held(
-        &[(0, Position, all), (7, Position, [false, true, true])],
-        &[],
-    );
-    check_held(&[(2, Slope(1), [false, true, false])], &[]);
-    // More stretches than go in lanes.
-    let level =
-        |node| [Position, Slope(0), Slope(1), Slope(2)].map(|v| (node, v, [false, false, true]));
-    let flat: Vec<Hold> = (0..=7).flat_map(level).collect();
-    check_held(&flat, &[]);
-    // Coordinates that follow others.
-    check_held(&[(0, Position, all)], &[[1, 2]]);
-    check_held(&clamped(7), &[[3, 5]]);
+    check_supports::<f64>(false);
+    check_supports::<f32>(false);
+    check_supports::<f64>(true);
 }
 
 /// All nodes displaced alike strain all elements alike: forces on inner nodes are then the same to

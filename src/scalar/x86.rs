@@ -11,6 +11,7 @@ use super::jet::{self, Jet};
 use super::lanes::{LaneWork, Lanes, blocks};
 use super::pack::{Pack, Wide};
 use super::{Algebra, Field, Scalar};
+use crate::tensor::array;
 
 /// Has the caches fetch what is soon read.
 #[inline(always)]
@@ -171,12 +172,14 @@ macro_rules! register {
             ) {
                 let (tiles, rest) = columns.as_chunks::<TILE>();
                 let whole = tiles.as_flattened().len();
-                let mut nowhere = [0.0; TILE];
-                let mut rows = [Row { first: nowhere.as_mut_ptr(), moves: 0 }; $width];
+                // Lanes without a row add to numbers of their own, or they would wait for one another.
+                let mut nowhere = [[0.0; TILE]; $width];
                 // One pointer for all rows: to ask for another would end what may be done with it.
                 let (length, all) = (x.len(), x.as_mut_ptr());
                 let mut end = 0;
+                let mut rows = [Row { first: all, moves: 0 }; $width];
                 for lane in 0..$width {
+                    rows[lane].first = nowhere[lane].as_mut_ptr();
                     if let Some(start) = starts(lane) {
                         end = end.max(start.saturating_add(columns.len()));
                         let first = all.wrapping_add(start);
@@ -187,14 +190,14 @@ macro_rules! register {
                 // From behind, for elements share their end nodes: of two that meet the first adds first, as
                 // where they come one by one.
                 if !rest.is_empty() {
-                    let mut tile = [Self::zero(); TILE];
+                    // What a tile lacks is added behind the rows, and changes no number there.
+                    let mut tile = [Self::lift(-0.0); TILE];
                     for j in 0..TILE - 1 {
                         if j < rest.len() {
                             tile[j] = own(rest[j]);
                         }
                     }
-                    // What a tile lacks is nothing, added behind the rows. SAFETY: so much is left there, or
-                    // the rest alone is added.
+                    // SAFETY: so much is left behind the last row, or the rest alone is added.
                     match rest.len() + left >= TILE {
                         true => unsafe { Self::add_tile(tile, &rows, whole) },
                         false => unsafe { Self::add_part(tile, &rows, whole, rest.len()) },
@@ -202,14 +205,17 @@ macro_rules! register {
                 }
                 for (k, tile) in tiles.iter().enumerate().rev() {
                     // SAFETY: rows are as long as there are columns.
-                    unsafe { Self::add_tile(tile.map(&own), &rows, k * TILE) };
+                    unsafe { Self::add_tile(array(#[inline(always)] |j| own(tile[j])), &rows, k * TILE) };
                 }
             }
 
-            /// Adds a tile to rows from their number `i` on, which must have as many.
+            /// Adds a tile to rows from their number `i` on.
+            ///
+            /// # Safety
+            /// From there on, as many numbers must follow in what the rows lie in.
             #[inline(always)]
             unsafe fn add_tile(tile: [Self; TILE], rows: &[Row<$r>; $width], i: usize) {
-                let values = tile.map(Self::to_array);
+                let values = array::<_, TILE>(#[inline(always)] |j| tile[j].to_array());
                 for first in (0..$width).step_by(TILE) {
                     let mut tile = [[0.0; TILE]; TILE];
                     for j in 0..TILE {
@@ -218,7 +224,7 @@ macro_rules! register {
                     unsafe { $tile(&mut tile) };
                     for lane in 0..TILE {
                         let Row { first, moves } = rows[first + lane];
-                        // SAFETY: numbers of the row, or as many that nobody reads.
+                        // SAFETY: as asked for, or numbers that nobody reads.
                         let row = unsafe { &mut *first.add(i & moves).cast::<[$r; TILE]>() };
                         for j in 0..TILE {
                             row[j] += tile[lane][j];
@@ -228,11 +234,14 @@ macro_rules! register {
             }
 
             /// The same of its first `count` columns.
+            ///
+            /// # Safety
+            /// So many numbers must follow.
             #[inline(always)]
             unsafe fn add_part(tile: [Self; TILE], rows: &[Row<$r>; $width], i: usize, count: usize) {
                 for (j, column) in tile[..count].iter().enumerate() {
                     for (Row { first, moves }, value) in rows.iter().zip(column.to_array()) {
-                        // SAFETY: as above.
+                        // SAFETY: as asked for, or a number that nobody reads.
                         unsafe { *first.add(i & moves).add(j) += value };
                     }
                 }

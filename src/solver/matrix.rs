@@ -3,7 +3,7 @@
 
 use super::band::{Lines, STRETCHES};
 use super::stored::Stored;
-use super::unknowns::{Combination, Unknowns};
+use super::unknowns::{Combination, Stretches, Unknowns};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, MOST_LANES, Real};
 
@@ -131,9 +131,10 @@ impl<R: Real> Matrix<R> {
     }
 
     /// Adds the matrices of the elements in the lanes that have a start, the first of `n` coordinates
-    /// numbered consecutively, where these are unknowns of an envelope, numbered upwards, or held. The
-    /// others are left: lanes of which this returns a bit. The entries of `block` are row-major and full; of
-    /// those added to a symmetric matrix the upper triangles are read.
+    /// numbered consecutively, where these are unknowns of an envelope, numbered upwards, or held, in
+    /// stretches of which there are not too many beside those of the lanes before. The others are left:
+    /// lanes of which this returns a bit. The entries of `block` are row-major and full; of those added to a
+    /// symmetric matrix the upper triangles are read.
     #[inline(always)]
     pub(crate) fn add_blocks<L: Lanes<R>>(
         &mut self,
@@ -142,25 +143,26 @@ impl<R: Real> Matrix<R> {
         start: impl Fn(usize) -> Option<usize>,
     ) -> Result<u32> {
         let Self { unknowns, stored } = self;
-        let (mut taken, mut left, mut ends) = (0, 0, 0);
+        let mut envelope = stored.envelope();
+        let mut left = 0;
+        let mut all = Stretches::default();
         let mut starts = [None; MOST_LANES];
         for lane in 0..L::WIDTH {
             let Some(offset) = start(lane) else { continue };
-            match unknowns.stretches(offset, n) {
-                Some(own) => {
-                    starts[lane] = Some(offset);
-                    taken |= 1 << lane;
-                    ends |= own;
-                }
+            let own = unknowns.stretches(offset, n).filter(|_| envelope.is_some());
+            match own
+                .map(|own| all.and(own))
+                .filter(|all| all.count() <= STRETCHES)
+            {
+                Some(with) => (starts[lane], all) = (Some(offset), with),
                 None => left |= 1 << lane,
             }
         }
-        let few = (ends.count_ones() as usize) < STRETCHES;
-        let Some(envelope) = stored.envelope().filter(|_| taken != 0 && few) else {
-            return Ok(left | taken);
+        let Some(envelope) = envelope.take().filter(|_| all.unknown != 0) else {
+            return Ok(left);
         };
         let mut lines = envelope.all_lines();
-        if ends == 0 {
+        if all.breaks == 0 {
             lines.add_blocks(
                 n,
                 block,
@@ -171,7 +173,7 @@ impl<R: Real> Matrix<R> {
             lines.add_stretches(
                 n,
                 block,
-                (0..n).filter(|i| *i == 0 || ends >> i & 1 == 1),
+                all.each(n),
                 #[inline(always)]
                 |lane, i| unknowns.unknown(starts[lane]? + i),
             )?;
@@ -250,7 +252,8 @@ impl<R: Real> Rows<'_, R> {
         self.lines.is_symmetric()
     }
 
-    /// As [`Matrix::add_blocks`], of elements whose coordinates are among these.
+    /// Adds the matrices of the elements in the lanes that have a start, the first of `n` coordinates
+    /// numbered consecutively, all of them among these.
     #[inline(always)]
     pub(crate) fn add_blocks<L: Lanes<R>>(
         &mut self,

@@ -213,7 +213,7 @@ fn add_lanes<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     Ok(())
 }
 
-/// Adds the tangent of the element in one lane, entry by entry.
+/// Adds the tangent of the element in one lane, in plain numbers.
 #[inline(always)]
 fn add_lane<R: Real, L: Lanes<R>, const D: usize, const S: usize>(
     k: &mut Matrix<R>,

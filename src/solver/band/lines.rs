@@ -6,9 +6,9 @@ use super::{Profile, ahead};
 use crate::error::{Error, Result};
 use crate::scalar::{Lanes, MOST_LANES, Real};
 
-/// Stretches that an element's coordinates may fall into, held ones and unknowns in a row, to be added in
-/// lanes: rows of fewer coordinates are not worth it.
-pub(in crate::solver) const STRETCHES: usize = 8;
+/// Stretches of unknowns that go in lanes, those of all elements of a group together. Of more, most rows
+/// would have no more than a number in each.
+pub(in crate::solver) const STRETCHES: usize = 12;
 
 /// Lines in a row of a [`BandMatrix`](super::BandMatrix): what one thread may write while others write
 /// the rest. Those that it leaves unwritten are zero in the end.
@@ -127,56 +127,60 @@ impl<R: Real> Lines<'_, R> {
     }
 
     /// The same of elements of which not all `n` coordinates are unknowns, or not in a row: in every lane,
-    /// those from a place to the next are one or the other. `unknown(lane, i)` tells which they are; places
+    /// those of a stretch are unknowns in a row, as `unknown(lane, i)` tells, or none of them is one.
+    /// What belongs to no stretch is none in all lanes, unknowns are numbered upwards in each, and stretches
     /// are no more than [`STRETCHES`].
     #[inline(always)]
     pub(in crate::solver) fn add_stretches<L: Lanes<R>>(
         &mut self,
         n: usize,
         block: &[L],
-        places: impl Iterator<Item = usize>,
+        stretches: impl Iterator<Item = Range<usize>>,
         unknown: impl Fn(usize, usize) -> Option<usize>,
     ) -> Result<()> {
-        let mut from = [n; STRETCHES + 1];
+        let mut all = [const { (0..0, [None; MOST_LANES]) }; STRETCHES];
         let mut count = 0;
-        // Unknowns less the coordinates of a stretch that they are.
-        let mut shifts = [[None; MOST_LANES]; STRETCHES];
-        for place in places.take(STRETCHES) {
-            from[count] = place;
+        for (stretch, (own, shifts)) in stretches.zip(&mut all) {
             for lane in 0..L::WIDTH {
-                shifts[count][lane] = unknown(lane, place).map(|q| q.wrapping_sub(place));
+                // Unknowns less the coordinates that they are.
+                shifts[lane] = unknown(lane, stretch.start).map(|q| q.wrapping_sub(stretch.start));
             }
+            *own = stretch;
             count += 1;
         }
+        let all = &all[..count];
         for lane in 0..L::WIDTH {
-            let (mut first, mut last) = (usize::MAX, None);
-            for k in 0..count {
-                let Some(shift) = shifts[k][lane] else {
-                    continue;
-                };
-                first = first.min(from[k].wrapping_add(shift));
-                last = last.max(Some((from[k + 1] - 1).wrapping_add(shift)));
-            }
-            let Some(last) = last else { continue };
+            let mut own = all.iter().filter_map(|(stretch, shifts)| {
+                let shift = shifts[lane]?;
+                Some([stretch.start, stretch.end - 1].map(|i| i.wrapping_add(shift)))
+            });
+            let Some([first, last]) = own.next() else {
+                continue;
+            };
+            let last = own.next_back().map_or(last, |[_, last]| last);
             self.check(last, first)?;
             self.write_up_to(last);
         }
-        let (half, symmetric) = (self.profile.half_bandwidth(), self.symmetric);
-        let shift = if symmetric { 0 } else { half };
         let first = self.starts[self.lines.start];
-        for rows in (0..count).rev() {
-            for i in (from[rows]..from[rows + 1]).rev() {
-                for columns in if symmetric { rows } else { 0 }..count {
-                    let (j, end) = (from[columns], from[columns + 1]);
-                    let j = if symmetric { j.max(i) } else { j };
+        let (symmetric, half) = (self.symmetric, self.profile.half_bandwidth());
+        let before = if symmetric { 0 } else { half };
+        for (k, (rows, row_shifts)) in all.iter().enumerate().rev() {
+            for i in rows.clone().rev() {
+                let from = if symmetric { k } else { 0 };
+                for (columns, shifts) in &all[from..] {
+                    let j = if symmetric {
+                        i.max(columns.start)
+                    } else {
+                        columns.start
+                    };
                     L::scatter(
-                        &block[i * n + j..i * n + end],
+                        &block[i * n + j..i * n + columns.end],
                         self.data,
                         #[inline(always)]
                         |lane| {
-                            let p = shifts[rows][lane]?.wrapping_add(i);
-                            let q = shifts[columns][lane]?.wrapping_add(j);
-                            Some(self.starts[p] - first + shift + q - p)
+                            let p = row_shifts[lane]?.wrapping_add(i);
+                            let q = shifts[lane]?.wrapping_add(j);
+                            Some(self.starts[p] - first + before + q - p)
                         },
                     );
                 }
