@@ -186,7 +186,8 @@ macro_rules! register {
                         rows[lane] = Row { first, moves: usize::MAX };
                     }
                 }
-                let left = length.checked_sub(end).expect("rows that lie within");
+                assert!(end <= length, "rows lie within");
+                let left = length - end;
                 // From behind, for elements share their end nodes: of two that meet the first adds first, as
                 // where they come one by one.
                 if !rest.is_empty() {

@@ -143,22 +143,20 @@ impl<R: Real> Matrix<R> {
         start: impl Fn(usize) -> Option<usize>,
     ) -> Result<u32> {
         let Self { unknowns, stored } = self;
-        let mut envelope = stored.envelope();
+        let envelope = stored.envelope();
         let mut left = 0;
         let mut all = Stretches::default();
         let mut starts = [None; MOST_LANES];
         for lane in 0..L::WIDTH {
             let Some(offset) = start(lane) else { continue };
             let own = unknowns.stretches(offset, n).filter(|_| envelope.is_some());
-            match own
-                .map(|own| all.and(own))
-                .filter(|all| all.count() <= STRETCHES)
-            {
+            let with = own.map(|own| all.and(own));
+            match with.filter(|with| with.count() <= STRETCHES) {
                 Some(with) => (starts[lane], all) = (Some(offset), with),
                 None => left |= 1 << lane,
             }
         }
-        let Some(envelope) = envelope.take().filter(|_| all.unknown != 0) else {
+        let Some(envelope) = envelope.filter(|_| all.unknown != 0) else {
             return Ok(left);
         };
         let mut lines = envelope.all_lines();

@@ -3,6 +3,8 @@
 //! eliminated before anything is solved, `x = T q + C f(t)`, so that no multiplier is carried for
 //! them and a definite stiffness stays definite.
 
+mod stretches;
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,6 +13,7 @@ use super::band::Profile;
 use super::order::number;
 use crate::error::{Error, Result, finite};
 use crate::scalar::Real;
+pub(super) use stretches::Stretches;
 
 /// A linear condition on coordinates: `sum_i a_i x_i + sum_k b_k f_k = 0` at every time.
 #[derive(Debug, Clone)]
@@ -368,40 +371,6 @@ impl<R: Real> Unknowns<R> {
         }
     }
 
-    /// How `n` coordinates from `offset` on fall into stretches. Nothing if some follow others, if unknowns
-    /// are not numbered upwards, or if bits do not suffice.
-    #[inline(always)]
-    pub(super) fn stretches(&self, offset: usize, n: usize) -> Option<Stretches> {
-        match self.run(offset, n) {
-            Some(_) => Some(Stretches {
-                breaks: 0,
-                unknown: u64::MAX,
-            }),
-            None => self.several_stretches(offset, n),
-        }
-    }
-
-    fn several_stretches(&self, offset: usize, n: usize) -> Option<Stretches> {
-        if n > u64::BITS as usize {
-            return None;
-        }
-        let mut all = Stretches::default();
-        let (mut next, mut before) = (0, None);
-        for i in 0..n {
-            let own = match self.combination(offset + i) {
-                Combination::Unknown(q) if q >= next => Some(q),
-                Combination::Sum([]) => None,
-                _ => return None,
-            };
-            let goes_on = own == before.map(|q| q + 1);
-            all.breaks |= u64::from(i > 0 && !goes_on) << i;
-            all.unknown |= u64::from(own.is_some()) << i;
-            next = own.map_or(next, |q| q + 1);
-            before = own;
-        }
-        Some(all)
-    }
-
     /// The unknowns in a row, at most `n`, that the coordinates from `offset` on begin with.
     #[inline]
     pub(super) fn stretch(&self, offset: usize, n: usize) -> Option<Range<usize>> {
@@ -428,38 +397,6 @@ impl<R: Real> Unknowns<R> {
             (run, Place::Unknown(first)) if run >= n => Some(first),
             _ => None,
         }
-    }
-}
-
-/// How coordinates in a row fall into stretches, of unknowns in a row and of held ones: a bit for each that
-/// begins another one, and for each that is an unknown.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stretches {
-    pub(super) breaks: u64,
-    pub(super) unknown: u64,
-}
-
-impl Stretches {
-    /// What is one stretch in both, and what is an unknown in one of them.
-    pub(super) fn and(self, other: Self) -> Self {
-        Self {
-            breaks: self.breaks | other.breaks,
-            unknown: self.unknown | other.unknown,
-        }
-    }
-
-    /// How many stretches have unknowns.
-    pub(super) fn count(self) -> usize {
-        ((self.breaks | 1) & self.unknown).count_ones() as usize
-    }
-
-    /// Those of `n` coordinates that have.
-    pub(super) fn each(self, n: usize) -> impl Iterator<Item = Range<usize>> {
-        let begins = move |i: &usize| *i == 0 || self.breaks >> i & 1 == 1;
-        let unknown = move |i: &usize| self.unknown >> i & 1 == 1;
-        let end = move |i: usize| (i + 1..n).find(begins).unwrap_or(n);
-        let first = (0..n).filter(begins).filter(unknown);
-        first.map(move |i| i..end(i))
     }
 }
 

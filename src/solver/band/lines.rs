@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Profile, ahead};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::scalar::{Lanes, MOST_LANES, Real};
 
 /// Stretches of unknowns that go in lanes, those of all elements of a group together. Of more, most rows
@@ -87,7 +87,7 @@ impl<R: Real> Lines<'_, R> {
         for lane in 0..L::WIDTH {
             let Some(column) = start(lane) else { continue };
             let row = column + n - 1;
-            self.check(row, column)?;
+            self.profile.check_holds(row, column)?;
             // Of one element at a time, fresh lines are overwritten below.
             self.write_up_to(if L::WIDTH == 1 { column } else { row });
             starts[lane] = &self.starts[column..column + n];
@@ -158,7 +158,7 @@ impl<R: Real> Lines<'_, R> {
                 continue;
             };
             let last = own.next_back().map_or(last, |[_, last]| last);
-            self.check(last, first)?;
+            self.profile.check_holds(last, first)?;
             self.write_up_to(last);
         }
         let first = self.starts[self.lines.start];
@@ -187,13 +187,6 @@ impl<R: Real> Lines<'_, R> {
             }
         }
         Ok(())
-    }
-
-    fn check(&self, row: usize, column: usize) -> Result<()> {
-        match self.profile.contains(row, column) {
-            true => Ok(()),
-            false => Err(Error::OutsideProfile { row, column }),
-        }
     }
 }
 

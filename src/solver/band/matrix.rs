@@ -181,9 +181,7 @@ impl<R: Real> BandMatrix<R> {
     /// [`Error::OutsideProfile`] for an entry that the envelope does not hold.
     #[inline]
     pub fn add(&mut self, i: usize, j: usize, value: R) -> Result<()> {
-        if !self.profile.contains(i, j) {
-            return Err(Error::OutsideProfile { row: i, column: j });
-        }
+        self.profile.check_holds(i, j)?;
         if !self.symmetric || j <= i {
             self.write_up_to(if self.symmetric { j } else { i });
             let index = self.index(i, j);
@@ -203,12 +201,7 @@ impl<R: Real> BandMatrix<R> {
         row: &[R],
     ) -> Result<()> {
         let last = q + n * row.len() - 1;
-        if !self.profile.contains(last, p) {
-            return Err(Error::OutsideProfile {
-                row: last,
-                column: p,
-            });
-        }
+        self.profile.check_holds(last, p)?;
         self.write_up_to(if self.symmetric { p + n - 1 } else { last });
         for (t, m) in row.iter().enumerate() {
             // Sections about their centroid couple positions with no slope across.
@@ -242,12 +235,7 @@ impl<R: Real> BandMatrix<R> {
         if n == 0 {
             return Ok(());
         }
-        if !self.profile.contains(offset + n - 1, offset) {
-            return Err(Error::OutsideProfile {
-                row: offset + n - 1,
-                column: offset,
-            });
-        }
+        self.profile.check_holds(offset + n - 1, offset)?;
         self.write_up_to(offset + n - 1);
         let full = block.len() == n * n;
         if !full {
@@ -301,9 +289,7 @@ impl<R: Real> BandMatrix<R> {
             return Ok(());
         };
         for column in [first, last] {
-            if !self.profile.contains(i, column) {
-                return Err(Error::OutsideProfile { row: i, column });
-            }
+            self.profile.check_holds(i, column)?;
         }
         self.write_up_to(i);
         // Right of the diagonal, a row is the column below.

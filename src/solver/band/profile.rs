@@ -128,6 +128,14 @@ impl Profile {
         self.reach.get(low).is_some_and(|&reach| high <= reach)
     }
 
+    /// Refuses an entry outside the envelope.
+    pub(super) fn check_holds(&self, row: usize, column: usize) -> Result<()> {
+        match self.contains(row, column) {
+            true => Ok(()),
+            false => Err(Error::OutsideProfile { row, column }),
+        }
+    }
+
     pub(super) fn check_same(&self, other: &Self) -> Result<()> {
         Error::check_length("size of the matrix", other.size(), self.size())?;
         Error::check_length(
