@@ -10,7 +10,7 @@ use ancf::verify::ByPoints;
 
 use crate::measure::{Integrator, Method, Watch};
 use crate::model::{Limit, Model, PointByPoint, SHEAR, Specimen};
-use crate::sweep::{Study, all, original, steps, usual};
+use crate::sweep::{Study, all, collocation, original, steps, usual};
 use crate::table::rows;
 
 /// A model of the paper's element.
@@ -129,11 +129,20 @@ impl Problem {
     }
 
     fn run(self, study: &mut Study) -> Result<()> {
-        let (base, specimen) = match self {
-            Self::Pendulum => (1e-2, self.specimen()),
-            Self::Ramp => (2e-2, self.specimen()),
+        let specimen = self.specimen();
+        // As close as the references are known come the finest meshes of quadratic elements in small steps
+        // of high order; the paper's finest mesh is what its method is compared by.
+        let (base, finest, small, theirs_finest): (_, &[usize], _, &[usize]) = match self {
+            Self::Pendulum => (1e-2, &[64, 128], 2..=4, &[144]),
+            Self::Ramp => (2e-2, &[32, 64], 4..=7, &[64]),
         };
-        let (theirs, ours) = (original(base), usual(base));
+        let [finest, theirs_finest] =
+            [finest, theirs_finest].map(|meshes| if study.quick { &[] } else { meshes });
+        let (theirs, ours, close) = (
+            original(base),
+            usual(base),
+            collocation(&steps(base, small)),
+        );
         let second = &ours[..6];
         let (coarse, fine) = ([6, 10, 20, 48, 96], [2, 4, 8, 16, 32]);
         let (none, rods) = (Limit::Continuum, Limit::Rod);
@@ -143,6 +152,7 @@ impl Problem {
         let points = Continuum::full(PointByPoint(solid));
         let model = paper("paper: full, section points", points, none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs)?;
+        self.sweep::<f64, _, _, 3, 8>(s, &model, theirs_finest, &theirs[..6])?;
         let points = Continuum::reduced(PointByPoint(solid));
         let model = paper("paper: reduced, section points", points, none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs[..6])?;
@@ -169,6 +179,7 @@ impl Problem {
         self.sweep::<f64, _, _, 2, 6>(s, &model, &coarse[..4], second)?;
         let model = quadratic("quadratic continuum", Continuum::full(flat).axial(2), none);
         self.sweep::<f64, _, _, 2, 6>(s, &model, &fine, &ours)?;
+        self.sweep::<f64, _, _, 2, 6>(s, &model, finest, &close)?;
 
         let model = quadratic(
             "quadratic rod",
@@ -178,6 +189,7 @@ impl Problem {
         self.sweep::<f64, _, _, 3, 9>(s, &model, &fine[..4], second)?;
         let model = quadratic("quadratic rod", rod(&real), rods);
         self.sweep::<f64, _, _, 2, 6>(s, &model, &fine, &ours)?;
+        self.sweep::<f64, _, _, 2, 6>(s, &model, finest, &close)?;
         // In the beam's own frame short numbers keep the digits of small strains.
         let short = CoMoving(rod(&specimen.material::<f32, 2>(0.3)?));
         let single = quadratic("quadratic rod", short, rods);
@@ -235,7 +247,7 @@ pub fn ramp(study: &mut Study) -> Result<()> {
 /// # Errors
 /// Whatever the library refuses.
 pub fn roll_up(study: &mut Study) -> Result<()> {
-    let (coarse, fine) = ([6, 10, 20, 40, 80, 160], [1, 2, 4, 8, 16, 32]);
+    let (coarse, fine) = ([6, 10, 20, 40, 80, 160], [1, 2, 4, 8, 16, 32, 64, 128, 256]);
     let (none, rods) = (Limit::Continuum, Limit::Rod);
     let steel = Specimen {
         young: 2e11,
@@ -254,9 +266,9 @@ pub fn roll_up(study: &mut Study) -> Result<()> {
     let model = paper("full", Continuum::full(flat), none);
     rolled::<f64, _, _, 2, 6>(study, &steel, &model, &coarse)?;
     let model = quadratic("quadratic continuum", Continuum::full(flat).axial(2), none);
-    rolled::<f64, _, _, 2, 6>(study, &steel, &model, &fine)?;
+    rolled::<f64, _, _, 2, 6>(study, &steel, &model, &fine[..6])?;
     let model = quadratic("quadratic rod", rod(&solid), rods);
-    rolled::<f64, _, _, 3, 9>(study, &steel, &model, &fine)?;
+    rolled::<f64, _, _, 3, 9>(study, &steel, &model, &fine[..6])?;
     let model = quadratic("quadratic rod", rod(&flat), rods);
     rolled::<f64, _, _, 2, 6>(study, &steel, &model, &fine)?;
     let short = CoMoving(rod(&steel.material::<f32, 2>(0.0)?));

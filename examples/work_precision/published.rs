@@ -39,7 +39,13 @@ pub fn bend(study: &mut Study) -> Result<()> {
         two,
     )?;
     let rod = StructuralMechanics::new(&solid);
-    bent(study, "quadratic rod", &[2, 4, 8, 16, 32], Quadratic, rod)
+    bent(
+        study,
+        "quadratic rod",
+        &[2, 4, 8, 16, 32, 64, 128],
+        Quadratic,
+        rod,
+    )
 }
 
 fn bent<R, E, F, const S: usize>(

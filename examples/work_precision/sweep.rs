@@ -50,7 +50,7 @@ impl Study {
     ) -> Result<()> {
         let skipped = if self.quick { 2 } else { 0 };
         let kept = meshes.len().saturating_sub(skipped).max(1);
-        for &elements in &meshes[..kept] {
+        for &elements in meshes.iter().take(kept) {
             let (system, watch) = build(elements)?;
             for method in methods {
                 self.time::<R, D>((family, elements), &system, &watch, None, method);
@@ -168,14 +168,18 @@ pub fn usual(base: f64) -> Vec<Method> {
     for step in steps(base, 0..=5) {
         methods.push(Method::fixed(Integrator::Trapezoidal, step));
     }
-    for step in steps(2.0 * base, 0..=4) {
-        methods.push(Method::fixed(Integrator::Gauss(2), step));
-        methods.push(Method::fixed(Integrator::Radau(3), step));
-    }
+    methods.extend(collocation(&steps(2.0 * base, 0..=4)));
     for tolerance in [1e-3, 1e-4, 1e-5] {
         methods.push(Method::adaptive(Integrator::Trapezoidal, tolerance));
     }
     methods
+}
+
+/// Collocation at fixed steps: of fourth order, symplectic, and of fifth, which damps what is too fast.
+pub fn collocation(steps: &[f64]) -> Vec<Method> {
+    let both = [Integrator::Gauss(2), Integrator::Radau(3)];
+    let at = |step: &f64| both.map(|integrator| Method::fixed(integrator, *step));
+    steps.iter().flat_map(at).collect()
 }
 
 /// The paper's methods: Newmark's at fixed steps and with its error control, full Newton.

@@ -173,7 +173,7 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
     }
 
     /// Does the work as the kernel asks for, in the lanes that suit the processor best.
-    #[inline]
+    #[inline(always)]
     fn run_together<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
         // Constants of blocks, so that what is not asked for is not compiled.
         if const { matches!(K::TOGETHER, Together::Never) } {
