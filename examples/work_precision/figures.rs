@@ -112,11 +112,7 @@ pub fn draw(title: &str, records: &[Record], out: &Path) -> Result<(), Box<dyn E
     if own().next().is_none() {
         return Ok(());
     }
-    let methods = by_name(
-        own(),
-        |r| &r.method,
-        |r| r.own_error.map_or(f64::NAN, |e| e.0),
-    );
+    let methods = by_name(own(), |r| &r.method, |r| r.own_error.unwrap_or(f64::NAN));
     let series = methods.into_iter().enumerate().map(|(k, (name, points))| {
         let dashed = k >= COLOURS.len();
         let stroke = if dashed {

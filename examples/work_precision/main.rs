@@ -28,7 +28,7 @@ struct Options {
     /// Directory for tables and figures.
     #[arg(long, default_value = "target/work-precision")]
     out: PathBuf,
-    /// Leave out the finest meshes.
+    /// Leave out the two finest meshes of what moves.
     #[arg(long)]
     quick: bool,
     /// Only problems whose name contains this.

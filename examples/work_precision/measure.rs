@@ -22,9 +22,12 @@ pub struct Record {
     pub seconds: f64,
     /// Largest distance to the reference over the tip's largest displacement.
     pub error: f64,
-    /// The same to the converged solution of the same mesh, the integrator's own, and the order in
-    /// which theory makes it fall with the step.
-    pub own_error: Option<(f64, usize)>,
+    /// The same to the converged solution of the same mesh, the integrator's own.
+    pub own_error: Option<f64>,
+    /// The order in which theory makes that fall with the step; 0 in statics.
+    pub order: usize,
+    /// The step (s) where it is given; that of statics is none, that of error control not known.
+    pub step: f64,
     /// Steps taken.
     pub steps: usize,
     /// Newton iterations.
@@ -49,8 +52,8 @@ impl From<RunReport> for Effort {
     }
 }
 
-/// Does work three times and until some hundredths of a second have gone into it, but no more than some
-/// tenths, and says how long it took at best (s).
+/// Does work three times and until some hundredths of a second have gone into it, long work twice, and says
+/// how long it took at best (s).
 ///
 /// # Errors
 /// Those of the work.
@@ -61,7 +64,7 @@ pub fn timed<T>(mut work: impl FnMut() -> Result<T>) -> Result<(f64, T)> {
         let done = work()?;
         let seconds = start.elapsed().as_secs_f64();
         (best, spent, tries) = (best.min(seconds), spent + seconds, tries + 1);
-        if spent > 0.3 || (spent > 0.02 && tries >= 3) {
+        if tries >= 2 && spent > if tries == 2 { 0.2 } else { 0.02 } {
             return Ok((best, done));
         }
     }
@@ -275,6 +278,14 @@ impl Method {
         Self {
             refresh: Refresh::EveryIteration,
             ..self
+        }
+    }
+
+    /// The step (s); more than any where it is not given.
+    pub fn step(&self) -> f64 {
+        match self.stepping {
+            Stepping::Fixed(step) | Stepping::Halved { step, .. } => step,
+            Stepping::Stable(_) | Stepping::Adaptive(_) => f64::INFINITY,
         }
     }
 

@@ -130,19 +130,15 @@ impl Problem {
 
     fn run(self, study: &mut Study) -> Result<()> {
         let specimen = self.specimen();
-        // As close as the references are known come the finest meshes of quadratic elements in small steps
-        // of high order; the paper's finest mesh is what its method is compared by.
-        let (base, finest, small, theirs_finest): (_, &[usize], _, &[usize]) = match self {
-            Self::Pendulum => (1e-2, &[64, 128], 2..=4, &[144]),
-            Self::Ramp => (2e-2, &[32, 64], 4..=7, &[64]),
+        let (base, theirs, finest, small) = match self {
+            Self::Pendulum => (1e-2, [6, 10, 20, 48, 64, 192], [32, 64, 128], 2..=4),
+            Self::Ramp => (2e-2, [6, 10, 20, 48, 64, 80], [16, 32, 64], 4..=7),
         };
-        let [finest, theirs_finest] =
-            [finest, theirs_finest].map(|meshes| if study.quick { &[] } else { meshes });
-        let (theirs, ours, close) = (
-            original(base),
-            usual(base),
-            collocation(&steps(base, small)),
-        );
+        // As close as the references are known.
+        let mut close = collocation(&steps(base, small));
+        let second_order = |step| Method::fixed(Integrator::Trapezoidal, step);
+        close.extend(steps(base, 6..=9).into_iter().map(second_order));
+        let (original, ours) = (original(base), usual(base));
         let second = &ours[..6];
         let (coarse, fine) = ([6, 10, 20, 48, 96], [2, 4, 8, 16, 32]);
         let (none, rods) = (Limit::Continuum, Limit::Rod);
@@ -151,11 +147,11 @@ impl Problem {
         let solid = specimen.material::<f64, 3>(0.0)?;
         let points = Continuum::full(PointByPoint(solid));
         let model = paper("paper: full, section points", points, none);
-        self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs)?;
-        self.sweep::<f64, _, _, 3, 8>(s, &model, theirs_finest, &theirs[..6])?;
+        self.sweep::<f64, _, _, 3, 8>(s, &model, &theirs[..4], &original)?;
+        self.sweep::<f64, _, _, 3, 8>(s, &model, &theirs[4..], &original[..6])?;
         let points = Continuum::reduced(PointByPoint(solid));
         let model = paper("paper: reduced, section points", points, none);
-        self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &theirs[..6])?;
+        self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], &original[..6])?;
         let points = Continuum::full(ByPoints(solid));
         let model = paper("full, section points in lanes", points, none);
         self.sweep::<f64, _, _, 3, 8>(s, &model, &coarse[..4], second)?;
@@ -179,7 +175,7 @@ impl Problem {
         self.sweep::<f64, _, _, 2, 6>(s, &model, &coarse[..4], second)?;
         let model = quadratic("quadratic continuum", Continuum::full(flat).axial(2), none);
         self.sweep::<f64, _, _, 2, 6>(s, &model, &fine, &ours)?;
-        self.sweep::<f64, _, _, 2, 6>(s, &model, finest, &close)?;
+        self.sweep::<f64, _, _, 2, 6>(s, &model, &finest, &close)?;
 
         let model = quadratic(
             "quadratic rod",
@@ -189,7 +185,7 @@ impl Problem {
         self.sweep::<f64, _, _, 3, 9>(s, &model, &fine[..4], second)?;
         let model = quadratic("quadratic rod", rod(&real), rods);
         self.sweep::<f64, _, _, 2, 6>(s, &model, &fine, &ours)?;
-        self.sweep::<f64, _, _, 2, 6>(s, &model, finest, &close)?;
+        self.sweep::<f64, _, _, 2, 6>(s, &model, &finest, &close)?;
         // In the beam's own frame short numbers keep the digits of small strains.
         let short = CoMoving(rod(&specimen.material::<f32, 2>(0.3)?));
         let single = quadratic("quadratic rod", short, rods);

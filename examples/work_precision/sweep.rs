@@ -49,7 +49,7 @@ impl Study {
         build: impl Fn(usize) -> Result<(System<R, D>, Watch)>,
     ) -> Result<()> {
         let skipped = if self.quick { 2 } else { 0 };
-        let kept = meshes.len().saturating_sub(skipped).max(1);
+        let kept = meshes.len().saturating_sub(skipped);
         for &elements in meshes.iter().take(kept) {
             let (system, watch) = build(elements)?;
             for method in methods {
@@ -118,6 +118,8 @@ impl Study {
                     seconds,
                     error: parts.sum::<f64>().sqrt() / travel,
                     own_error: None,
+                    order: 0,
+                    step: 0.0,
                     steps: report.steps,
                     iterations: report.iterations,
                 });
@@ -143,7 +145,9 @@ impl Study {
                 setting: method.setting(),
                 seconds,
                 error: watch.error(&found),
-                own_error: own.map(|own| (own.error(&found), method.integrator.order())),
+                own_error: own.map(|own| own.error(&found)),
+                order: method.integrator.order(),
+                step: method.step(),
                 steps: effort.steps,
                 iterations: effort.iterations,
             }),

@@ -172,7 +172,8 @@ pub trait KernelWork<R: Real, const D: usize, const S: usize>: Sized {
         self.run::<R, K>(kernel)
     }
 
-    /// Does the work as the kernel asks for, in the lanes that suit the processor best.
+    /// Does the work as the kernel asks for, in the lanes that suit the processor best. Always inlined: handed
+    /// on, work is copied in larger pieces than it was written in, and processors wait for that.
     #[inline(always)]
     fn run_together<K: ElementKernel<R, D, S>>(self, kernel: &K) -> Self::Output {
         // Constants of blocks, so that what is not asked for is not compiled.
