@@ -9,17 +9,19 @@ use crate::measure::Record;
 /// Tolerances of the ranking.
 const TOLERANCES: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
-/// Whether a run is within a tolerance, and so are what its mesh converges to and the same steps on finer
-/// meshes: errors of mesh and step that happen to cancel are no accuracy.
+/// Whether a run is within a tolerance, and so are what its mesh converges to, smaller steps on it and the
+/// same steps on finer meshes: errors of mesh and step that happen to cancel are no accuracy.
 fn is_within(records: &[Record], run: &Record, tolerance: f64) -> bool {
     let alike = || records.iter().filter(|other| other.model == run.model);
-    let same_mesh = alike().filter(|other| other.elements == run.elements);
+    let same_mesh = || alike().filter(|other| other.elements == run.elements);
     // The smallest step of the highest order comes closest.
-    let limit = same_mesh.max_by(|a, b| a.order.cmp(&b.order).then(b.step.total_cmp(&a.step)));
+    let limit = same_mesh().max_by(|a, b| a.order.cmp(&b.order).then(b.step.total_cmp(&a.step)));
+    let smaller = |other: &&Record| other.method == run.method && other.step < run.step;
     let same = |other: &&Record| (&other.method, &other.setting) == (&run.method, &run.setting);
     let finer = alike().filter(|other| other.elements > run.elements);
-    let mut all = limit.into_iter().chain(finer.filter(same));
-    run.error <= tolerance && all.all(|other| other.error <= tolerance)
+    let others = finer.filter(same).chain(same_mesh().filter(smaller));
+    let mut all = others.chain(limit).chain([run]);
+    all.all(|other| other.error <= tolerance)
 }
 
 /// The cheapest run of those that are wanted within a tolerance.
