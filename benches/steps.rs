@@ -284,19 +284,18 @@ fn factorisation(c: &mut Criterion) {
     let mut group = c.benchmark_group("factor and solve, spatial chain");
     for n in [10, 100, 1000] {
         let system = pendulum::<3, 8>(Held::Pinned, 1.0, n);
-        let u = system.rest().displacement;
-        let mut k = Matrix::zero(system.unknowns(), true);
-        system.add_tangent(0.0, 1.0, &u, &mut k).expect("a tangent");
-        system.add_mass(4e6, &mut k).expect("the same profile");
-        let mut x = vec![0.0; system.unknowns().count()];
-        let mut factor = Factor::new(system.unknowns().profile(), true);
+        let mut evaluations = Evaluations::of(&system);
+        evaluations.correction(Some(4e6));
+        let Evaluations {
+            tangent, factor, x, ..
+        } = &mut evaluations;
         group.throughput(Throughput::Elements(n as u64));
         group.bench_function(BenchmarkId::from_parameter(n), |b| {
             b.iter_custom(|times| {
                 spent(times, || {
-                    factor.factor(k.stored()).expect("a definite matrix");
+                    factor.factor(tangent.stored()).expect("a definite matrix");
                     x.fill(1.0);
-                    factor.solve(&mut x).expect("factors");
+                    factor.solve(x).expect("factors");
                 })
             });
         });
